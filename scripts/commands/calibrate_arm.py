@@ -13,11 +13,16 @@ from armside.sim.robot_file.find import load_robot
 from ..shell.bag_options import BagCfg
 from ..shell.console import Report, run_folder
 from ..shell.errors import RunFailed, checking_input, one_line
-from ..shell.options import Common, options
+from ..shell.options import Common, Limits, check_limits, options
 
 MM = 1e-3
-LARGEST_PRIOR = 1e4
-"""[mm] and [mrad]: ten metres and ten radians say nothing of an arm."""
+LIMITS = {
+    "harmonics": Limits(0, 200),
+    "prior_length": Limits(0.0, 1e4, "mm", above=True),
+    "prior_angle": Limits(0.0, 1e4, "mrad", above=True),
+    "next": Limits(0, 100),
+}
+"""Ten metres and ten radians say nothing of an arm."""
 
 
 @options
@@ -53,16 +58,9 @@ class CalibrateArmCfg(BagCfg):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.harmonics is not None and not 0 <= self.harmonics <= 200:
-            raise ValueError(f"harmonics must be from 0 to 200, got {self.harmonics}")
+        check_limits(self, LIMITS)
         if self.compliance and self.harmonics is None:
             raise ValueError("compliance needs --harmonics (0 for none)")
-        for name in ("prior_length", "prior_angle"):
-            if not 0.0 < getattr(self, name) <= LARGEST_PRIOR:
-                said = f"{name} must be > 0 and <= {LARGEST_PRIOR:g}"
-                raise ValueError(f"{said}, got {getattr(self, name):g}")
-        if not 0 <= self.next <= 100:
-            raise ValueError(f"next must be from 0 to 100, got {self.next}")
 
     def configuration(self) -> CalibrationCfg:
         """Configuration in SI. Raises ValueError for what is not allowed."""

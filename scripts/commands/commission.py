@@ -30,10 +30,10 @@ from armside.sim.twin.recordings import (
 from armside.sim.twin.simulation import design_of
 from armside.sim.twin.tool_sensor import ResidualScale
 
-from ..cutting.options import LARGEST, IndividualCfg, robot_state
+from ..cutting.options import OF_ROBOT, IndividualCfg, robot_state
 from ..shell.console import Report
 from ..shell.errors import checking_input
-from ..shell.options import Common, options
+from ..shell.options import Common, Limits, check_limits, options
 
 _SEVERAL = Parameter(consume_multiple=True)
 
@@ -61,14 +61,7 @@ class CommissionCfg(IndividualCfg):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not 1 <= self.cuts <= MOST:
-            raise ValueError(f"cuts must be from 1 to {MOST}, got {self.cuts}")
-        if self.payload is not None and not (np.isfinite(self.payload) and self.payload >= 0.0):
-            raise ValueError(f"payload must be >= 0 kg, got {self.payload:g}")
-        heaviest, unit = LARGEST["payload"]
-        if self.payload is not None and self.payload > heaviest:
-            most = f"at most {heaviest:g} {unit}"
-            raise ValueError(f"payload must be {most}, got {self.payload:g}")
+        check_limits(self, {"cuts": Limits(1, MOST), "payload": OF_ROBOT["payload"]})
         if self.recordings and self.individual is not None:
             raise ValueError("recordings are of a robot of their own: leave out --individual")
 

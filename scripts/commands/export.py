@@ -21,7 +21,7 @@ from armside.sim.robot_file.find import find_cell, load_robot
 
 from ..shell.console import Report, keep, run_folder
 from ..shell.errors import InputError, checking_input, needs
-from ..shell.options import Common, FileToWrite, options
+from ..shell.options import Common, FileToWrite, Limits, options
 
 if TYPE_CHECKING:
     from armside.arrays import Array
@@ -66,8 +66,7 @@ class ExportCfg:
     """Of a run of learn with several laws: the law."""
 
     def __post_init__(self) -> None:
-        if self.rate is not None and not RATES[0] <= self.rate <= RATES[1]:
-            raise ValueError(f"rate must be {RATES[0]:g} to {RATES[1]:g} Hz, got {self.rate:g}")
+        Limits(*RATES, "Hz").check("rate", self.rate)
 
     def of_robot(self) -> "ExportCfg":
         """With the defaults for a robot. Raises ValueError for options of a run."""

@@ -16,7 +16,7 @@ from ..cutting.options import IndividualCfg, robot_state
 from ..shell.bag_options import BAG_FIELDS, BagCfg
 from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input
-from ..shell.options import Common, options
+from ..shell.options import Common, Limits, options
 
 if TYPE_CHECKING:
     from armside.sim.gears import GearsCfg
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
 LARGEST_NUMBER = 20
 """Recordings of one command."""
-MOST_RUNS = 10
 
 
 @options
@@ -56,8 +55,7 @@ class GearsOptions(IndividualCfg, BagCfg):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.runs is not None and not 1 <= self.runs <= MOST_RUNS:
-            raise ValueError(f"runs must be 1 to {MOST_RUNS}, got {self.runs}")
+        Limits(1, 10).check("runs", self.runs)
         self.configuration(virtual=False)
 
     def configuration(self, *, virtual: bool) -> "GearsCfg":

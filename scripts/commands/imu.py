@@ -31,18 +31,21 @@ from ..shell.bag_options import BAG_FIELDS, BagCfg
 from ..shell.console import Report, run_folder
 from ..shell.effort import Effort, refuse_absurd
 from ..shell.errors import checking_input
-from ..shell.options import Common, FileToRead, options
-from ..shell.unit_options import UnitCfg
+from ..shell.options import Common, FileToRead, Limits, check_limits, options
+from ..shell.unit_options import LIMITS, UnitCfg
 
 STANDARD = ProcessingCfg()
 LARGEST_NUMBER = 20
 """Recordings of one command."""
-LONGEST_REST = 600.0
-"""[s], with motors off and on each: half a minute of the processor or so."""
-LARGEST_CUTOFF = 25.0
-"""[Hz], where motor angles are low-passed before they are differentiated."""
-LONGEST_DELAY = 1000.0
-"""[ms], of a sensor's low-pass."""
+AT_MOST = LIMITS | {
+    "off": Limits(0.0, 600.0, "s", above=True),
+    "on": Limits(0.0, 600.0, "s", above=True),
+    "accelerometer_delay": Limits(-1000.0, 1000.0, "ms"),
+    "gyroscope_delay": Limits(-1000.0, 1000.0, "ms"),
+}
+"""At rest, half a minute of the processor or so."""
+OF_RECORDED = Limits(0.0, 25.0, "Hz with --recordings", above=True)
+"""Cutoff, where motor angles are low-passed before they are differentiated."""
 AT_REST = Effort(0.1, 4e6)
 """For each second at rest."""
 
@@ -88,15 +91,7 @@ class ImuOptions(UnitCfg, BagCfg):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._check_choice()
-        self.check_unit()
-        for name in ("off", "on"):
-            if not 0.0 < getattr(self, name) <= LONGEST_REST:
-                allowed = f"> 0 and at most {LONGEST_REST:g} s"
-                raise ValueError(f"{name} must be {allowed}, got {getattr(self, name):g}")
-        for name in ("accelerometer_delay", "gyroscope_delay"):
-            if not abs(getattr(self, name)) <= LONGEST_DELAY:
-                said, got = name.replace("_", "-"), f"{getattr(self, name):g}"
-                raise ValueError(f"{said} must be at most {LONGEST_DELAY:g} ms, got {got}")
+        check_limits(self, AT_MOST)
         if self.motion == "rest" and self.program is not None:
             raise ValueError("program and motion rest exclude each other")
 
@@ -114,9 +109,7 @@ class ImuOptions(UnitCfg, BagCfg):
             if field.name not in ours and getattr(self, field.name) != field.default:
                 name = field.name.replace("_", "-")
                 raise ValueError(f"--{name} is of the virtual robot, and excludes --recordings")
-        if not 0.0 < self.cutoff <= LARGEST_CUTOFF:
-            text = f"> 0 and at most {LARGEST_CUTOFF:g} Hz with --recordings"
-            raise ValueError(f"cutoff must be {text}, got {self.cutoff:g}")
+        OF_RECORDED.check("cutoff", self.cutoff)
 
     def experiment(self) -> ImuExperiment | RestExperiment:
         """Experiment of these options, in SI. Raises ValueError for what is not allowed."""

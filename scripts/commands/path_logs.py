@@ -8,7 +8,7 @@ from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder
 from ..shell.errors import RunFailed, checking_input, one_line
-from ..shell.options import Common, options
+from ..shell.options import Common, Limits, options
 
 
 @options
@@ -22,8 +22,7 @@ class PathLogsOptions:
     """Runs of the virtual large robot at each speed."""
 
     def __post_init__(self) -> None:
-        if not 2 <= self.runs <= 20:
-            raise ValueError(f"runs must be 2 to 20, got {self.runs}")
+        Limits(2, 20).check("runs", self.runs)
 
 
 def path_logs(

@@ -15,7 +15,7 @@ from ..jobs.store import Store, missing, run_batch
 from ..jobs.workers import Workers
 from ..shell.console import Report
 from ..shell.errors import InputError, checking_input
-from ..shell.options import Common, options
+from ..shell.options import Common, Limits, options
 from ..thesis import entries
 from ..thesis.pages import COLUMNS, check_row, count, html, markdown
 from ..thesis.report import KIND, MARKER, AbsentError, Asked, Part, ReportFolder, Section, as_rows
@@ -69,12 +69,9 @@ class JointCfg:
     learn, such as norm-optimal or file.py:Name."""
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.gamma <= 100.0:
-            raise ValueError(f"gamma must be > 0 and at most 100, got {self.gamma:g}")
-        if not 1 <= self.delta <= 100:
-            raise ValueError(f"delta must be 1 to 100 samples, got {self.delta}")
-        if not 0.1 <= self.cutoff <= 49.0:
-            raise ValueError(f"cutoff must be 0.1 to 49 Hz, got {self.cutoff:g}")
+        Limits(0.0, 100.0, above=True).check("gamma", self.gamma)
+        Limits(1, 100, "samples").check("delta", self.delta)
+        Limits(0.1, 49.0, "Hz").check("cutoff", self.cutoff)
 
     def study(self) -> "Study | None":
         """Joint and design; None: those of the thesis."""

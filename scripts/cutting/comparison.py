@@ -22,9 +22,9 @@ from armside.sim.robot_file.find import find_cell
 
 from ..shell.effort import refuse_absurd
 from ..shell.errors import InputError
-from ..shell.options import options
+from ..shell.options import PERCENT, Limits, check_limits, options
 from .earlier import STATE, Earlier
-from .options import LARGEST, SLOWEST, KnownGearsCfg, known_state
+from .options import OF_ROBOT, KnownGearsCfg, known_state
 from .specification import effort
 
 _Several = Parameter(consume_multiple=True)
@@ -67,13 +67,10 @@ class CompareCfg(KnownGearsCfg):
             pose(name, known)
         if not self.speeds:
             raise ValueError("speeds takes one value or more, got none")
-        for speed in self.speeds:
-            if not SLOWEST <= speed <= LARGEST["speed"][0]:
-                raise ValueError(f"speeds must be > 0 mm/s, at most 10000, got {speed:g}")
-        if self.iterations < 1:
-            raise ValueError(f"iterations must be >= 1, got {self.iterations}")
-        if not 0.0 <= self.stiffness_error < 100.0:
-            raise ValueError(f"stiffness-error must be in [0, 100) %, got {self.stiffness_error:g}")
+        check_limits(
+            self,
+            {"speeds": OF_ROBOT["speed"], "iterations": Limits(1), "stiffness_error": PERCENT},
+        )
         PathLimits(acceleration=self.raised_acceleration)
 
 

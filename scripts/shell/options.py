@@ -5,10 +5,10 @@ the help texts. A configuration checks its own ranges in `__post_init__` with Va
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 from cyclopts import Group, Parameter, Token, convert
 from cyclopts.validators import Number
@@ -44,6 +44,50 @@ def read_value(type_: Any, tokens: Sequence[Token]) -> Any:
         if isinstance(leaf, Path) and not token.value:
             raise ValueError("must name a file or a folder, got an empty text")
     return value
+
+
+class Limits(NamedTuple):
+    """Smallest and largest value of an option, and its unit."""
+
+    low: float = -math.inf
+    high: float = math.inf
+    unit: str = ""
+    above: bool = False
+    """The smallest value itself is not allowed."""
+    below: bool = False
+    """The largest value itself is not allowed."""
+
+    def __str__(self) -> str:
+        if math.isinf(self.high):
+            text = f"{'>' if self.above else '>='} {self.low:g}"
+        elif math.isinf(self.low):
+            text = f"at most {self.high:g}"
+        elif self.above or self.below:
+            ends = "(" if self.above else "[", ")" if self.below else "]"
+            text = f"in {ends[0]}{self.low:g}, {self.high:g}{ends[1]}"
+        else:
+            text = f"{self.low:g} to {self.high:g}"
+        return f"{text} {self.unit}".rstrip()
+
+    def check(self, name: str, given: Any) -> None:
+        """Raise ValueError for a number, or one of a tuple, outside of the limits."""
+        for value in given if isinstance(given, tuple) else (given,):
+            within = value is None or self.low <= value <= self.high
+            if (
+                not within
+                or (self.above and value == self.low)
+                or (self.below and value == self.high)
+            ):
+                raise ValueError(f"{name.replace('_', '-')} must be {self}, got {value:g}")
+
+
+def check_limits(cfg: Any, limits: Mapping[str, Limits]) -> None:
+    """Raise ValueError for an option, by its name, that is outside of its limits."""
+    for name, allowed in limits.items():
+        allowed.check(name, getattr(cfg, name))
+
+
+PERCENT = Limits(0.0, 100.0, "%", below=True)
 
 
 def seed_range(first: int, n: int) -> range:
@@ -103,7 +147,6 @@ class Common:
     """Show the traceback of a failure."""
 
     def __post_init__(self) -> None:
-        if self.seed < 0:
-            raise ValueError(f"seed must be >= 0, got {self.seed}")
+        Limits(0).check("seed", self.seed)
         if self.seed > LARGEST_SEED:
             raise ValueError(f"seed must be below 2^63, got {self.seed:.4e}")

@@ -8,21 +8,20 @@ from cyclopts import Group, Parameter
 
 from armside.sim.instruments.imu import ACCELEROMETER, GYROSCOPE, ImuCfg
 
-from .options import options
+from .options import Limits, options
 
 _IMU = Parameter(group=Group("Virtual IMU", sort_key=5))
 STANDARD = ImuCfg()
 LIMITS = {
-    "imu_rate": (10.0, 1000.0, "Hz"),
-    "accelerometer_noise": (0.0, 1.0, "m/s^2 a root Hz"),
-    "gyroscope_noise": (0.0, 10.0, "deg/s a root Hz"),
-    "accelerometer_bias": (0.0, 10.0, "m/s^2"),
-    "gyroscope_bias": (0.0, 100.0, "deg/s"),
-    "mounting_error": (0.0, 10.0, "deg"),
-    "clock_offset": (0.0, 100.0, "ms"),
-    "clock_drift": (0.0, 1000.0, "ppm"),
+    "imu_rate": Limits(10.0, 1000.0, "Hz"),
+    "accelerometer_noise": Limits(0.0, 1.0, "m/s^2 a root Hz"),
+    "gyroscope_noise": Limits(0.0, 10.0, "deg/s a root Hz"),
+    "accelerometer_bias": Limits(0.0, 10.0, "m/s^2"),
+    "gyroscope_bias": Limits(0.0, 100.0, "deg/s"),
+    "mounting_error": Limits(0.0, 10.0, "deg"),
+    "clock_offset": Limits(0.0, 100.0, "ms"),
+    "clock_drift": Limits(0.0, 1000.0, "ppm"),
 }
-"""Least and largest value of each option, and its unit."""
 
 
 @options
@@ -46,14 +45,6 @@ class UnitCfg:
     """Largest offset of its clock [ms; default: 10, at rest 0]."""
     clock_drift: Annotated[float, _IMU] = 1e6 * STANDARD.clock_drift
     """Error of its clock's rate [ppm]."""
-
-    def check_unit(self) -> None:
-        """Raise ValueError for a value out of its limits."""
-        for name, (low, high, unit) in LIMITS.items():
-            value = getattr(self, name)
-            if value is not None and not low <= value <= high:
-                said = name.replace("_", "-")
-                raise ValueError(f"{said} must be {low:g} to {high:g} {unit}, got {value:g}")
 
     def unit(self, clock_offset: float) -> ImuCfg:
         """The IMU of these options. clock_offset [s]: of the experiment, if none was given."""

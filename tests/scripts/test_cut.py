@@ -110,7 +110,7 @@ def test_a_plan_moves_nothing(tmp_path, capsys):
     ("more", "said"),
     [
         ("--pose p9", "Unknown pose 'p9'"),
-        ("--speed 0", "speed must be from 0.001 to 10000 mm/s, got 0"),
+        ("--speed 0", "speed must be 0.001 to 10000 mm/s, got 0"),
         ("--units inch --pose p3 --robot irb1400", "out of reach at ("),
         ("--layers CUT", "there is no layer 'CUT'"),
         ("--beam 9", "the beam of 9 mm is too wide"),

@@ -131,7 +131,7 @@ def test_a_bad_program_is_bad_input(text, words, tmp_path, capsys):
         ("--cutoff 60", "below 50 Hz"),
         ("--accelerometer-delay -1", "from 0 to 500 ms"),
         ("--motion rest --on 1", "at least 3 s"),
-        ("--motion rest --off 1000", "off must be > 0 and at most 600 s, got 1000"),
+        ("--motion rest --off 1000", "off must be in (0, 600] s, got 1000"),
         ("--imu-rate 5", "imu-rate must be 10 to 1000 Hz, got 5"),
         ("--gyroscope-noise 11", "gyroscope-noise must be 0 to 10 deg/s a root Hz"),
         ("--recordings . --clock-offset 3", "--clock-offset is of the virtual robot"),

@@ -151,7 +151,7 @@ def test_resolved_options_say_the_temperature_of_the_model_and_no_spread_of_an_i
         ("--friction-drift -100", "friction-drift must be in (-100, 1000] %, got -100"),
         ("--friction-drift 1e308", "friction-drift must be in"),
         ("--friction-drift nan", "finite"),
-        ("--temperature 20", "temperature must be from 26 to 80 deg C, got 20"),
+        ("--temperature 20", "temperature must be 26 to 80 deg C, got 20"),
         ("--temperature 40 --without load-friction", "temperature acts through load-friction"),
     ],
 )

@@ -131,8 +131,8 @@ def test_six_values_make_a_law_per_motor(tmp_path):
     [
         ("--pose p9", "Poses: p1, p2, p3"),
         ("--radius 2000", "694.923 mm outside"),
-        ("--radius 0", "radius must be > 0"),
-        ("--speed -1", "speed must be > 0"),
+        ("--radius 0", "radius must be 0.1 to 5000 mm, got 0"),
+        ("--speed -1", "speed must be 0.001 to 10000 mm/s, got -1"),
         ("--cutoff 125", "Nyquist"),
         ("--gamma 0", "gamma must be > 0"),
         ("--delta 600", "record"),
