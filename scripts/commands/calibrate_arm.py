@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from cyclopts import Parameter
 
@@ -97,19 +97,14 @@ def calibrate_arm(data: Path, /, *, cfg: CalibrateArmCfg, common: Common = Commo
     with checking_input():
         arm, source = load_robot(cfg.robot).arm, read_poses(data, cfg.topics())
         prepared = prepare(arm, source.measurements, cfg.configuration(), seed=common.seed)
-    with report.progress("calibrating", total=1) as step:
-        try:
-            done = fit_prepared(prepared)
-        except (ValueError, ArithmeticError) as error:
-            raise RunFailed(f"the fit failed: {one_line(error)}") from error
-        step()
-    found: dict[str, Any] = shown.results(done)
-    outcome = summary(
-        "calibrate-arm", cfg, common, data=data, form=source.form, notes=source.notes, **found
-    )
+    try:
+        (done,) = report.each("calibrating", fit_prepared, [prepared])
+    except (ValueError, ArithmeticError) as error:
+        raise RunFailed(f"the fit failed: {one_line(error)}") from error
+    found = {"form": source.form, "notes": source.notes} | shown.results(done)
+    outcome = summary("calibrate-arm", cfg, common, data=data, **found)
     with run_folder(outcome, common) as folder:
         shown.write(folder, done, arm, cfg.next, common.seed)
-    for note in source.notes:
-        report.line(note)
+    report.lines(source.notes)
     shown.tables(report, outcome)
     report.results(outcome, folder.path)

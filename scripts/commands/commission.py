@@ -13,8 +13,8 @@ from armside.sim.laser.experiment import prepare
 from armside.sim.laser.results import pass_notes
 from armside.sim.motion.tool_motion import motion_notes
 from armside.sim.notes import Note, Tally, counted
-from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
-from armside.sim.records.summary import dumps, summary
+from armside.sim.records.run_folder import RUNS, check_writable
+from armside.sim.records.summary import summary
 from armside.sim.twin import commission as commissioning
 from armside.sim.twin.commission import SENSORS, CommissionedTwin
 from armside.sim.twin.identification import Identification
@@ -31,7 +31,7 @@ from armside.sim.twin.simulation import design_of
 from armside.sim.twin.tool_sensor import ResidualScale
 
 from ..cutting.options import OF_ROBOT, IndividualCfg, robot_state
-from ..shell.console import Report
+from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input
 from ..shell.options import Common, Limits, check_limits, options
 
@@ -89,8 +89,7 @@ def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common(
             recorded, robot=cfg.robot, payload=cfg.payload, measure=cfg.measure, progress=step
         )
     outcome = summary("commission", cfg, common, notes=notes, **_results(found))
-    with RunFolder("commission", seed=common.seed, out=common.out) as folder:
-        (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
+    with run_folder(outcome, common) as folder:
         found.twin.save((folder / "summary.json").parent)
         figures.friction(folder / "friction.png", found, recorded)
         figures.residuals(folder / "residuals.png", found, recorded)
@@ -173,30 +172,19 @@ def _cut(
 
 def _results(found: CommissionedTwin) -> dict[str, Any]:
     parameters, identified = found.twin.parameters, found.identified
-    quality, of = identified.quality, (found.twin.parameters, identified.covariance)
+    quality, names = identified.quality, parameters.names
+    deviation = standard_deviation(parameters, identified.covariance)
+    known = is_identified(parameters, identified.covariance)
+    values = zip(names, identified.theta, deviation, parameters.standard_deviation, strict=True)
+    cuts = zip(found.twin.names, quality.held_out, quality.within, strict=True)
     return {
-        "cuts": [
-            {"name": name, "held_out": out, "within": within}
-            for name, out, within in zip(
-                found.twin.names, quality.held_out, quality.within, strict=True
-            )
-        ],
+        "cuts": [{"name": n, "held_out": out, "within": within} for n, out, within in cuts],
         "torque_residual": found.twin.torque_residual,
         "parameters": [
             {"name": name, "value": value, "standard_deviation": s, "prior": p}
-            for name, value, s, p in zip(
-                parameters.names,
-                identified.theta,
-                standard_deviation(*of),
-                parameters.standard_deviation,
-                strict=True,
-            )
+            for name, value, s, p in values
         ],
-        "not_identified": [
-            name
-            for name, known in zip(parameters.names, is_identified(*of), strict=True)
-            if not known
-        ],
+        "not_identified": [n for n, is_known in zip(names, known, strict=True) if not is_known],
     }
 
 

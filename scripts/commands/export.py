@@ -19,7 +19,7 @@ from armside.sim.records.summary import summary
 from armside.sim.records.tables import write_table
 from armside.sim.robot_file.find import find_cell, load_robot
 
-from ..shell.console import Report, keep, run_folder
+from ..shell.console import Report, keep
 from ..shell.errors import InputError, checking_input, needs
 from ..shell.options import Common, FileToWrite, Limits, options
 
@@ -129,11 +129,7 @@ def _export_robot(report: Report, cfg: ExportCfg, common: Common) -> None:
         cfg = cfg.of_robot()
         files, operations = _files(cfg)
     outcome = summary("export", cfg, common, files=sorted(files), operations=operations)
-    with run_folder(outcome, common) as folder:
-        for name, text in files.items():
-            (folder / name).write_text(text, encoding="utf-8")
-    for name in files:
-        report.line(str(folder.path / name))
+    report.texts(files, outcome)
     if operations is not None:
         report.line(f"{operations} operations after sharing")
     report.summary(outcome)
@@ -175,18 +171,9 @@ def _export_correction(report: Report, run: Path, cfg: ExportCfg, common: Common
         rate = cfg.rate or (CYCLE if cfg.to in FORM_OF else 1.0 / stored.sample_time)
         joints = correction_export.joint_values(stored, cast(Form, cfg.what), rate)
         names = _write(file, cfg, stored, joints, rate)
-    outcome = summary(
-        "export",
-        cfg,
-        common,
-        run=run,
-        written=file,
-        largest=float(np.abs(stored.correction).max()),
-        k=stored.k,
-        law=stored.law,
-        rate=rate,
-        samples=len(joints),
-    )
+    found = {"run": run, "written": file, "largest": float(np.abs(stored.correction).max())}
+    found |= {"k": stored.k, "law": stored.law, "rate": rate, "samples": len(joints)}
+    outcome = summary("export", cfg, common, **found)
     keep(outcome, common)
     report.line(f"{file}: {len(joints)} samples of {names} at {rate:g} Hz, k = {stored.k}")
     report.summary(outcome)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from armside.kinematics import CATALOGUE, Arm
 from armside.sim.cell import CELLS
@@ -97,12 +97,10 @@ def gears(*data: Path, cfg: GearsOptions, common: Common = Common()) -> None:
             done = analyse_gears(arm, recordings, cfg.configuration(virtual=not data), step)
     notes = [f"{one.name}: {note}" for one in recordings for note in one.notes]
     notes += coverage_notes(done)
-    found: dict[str, Any] = shown.results(done)
-    outcome = summary("gears", cfg, common, data=list(data), notes=notes, **found)
+    outcome = summary("gears", cfg, common, data=data, notes=notes, **shown.results(done))
     with run_folder(outcome, common) as folder:
         shown.write(folder, done, arm)
-    for note in notes:
-        report.line(note)
+    report.lines(notes)
     shown.tables(report, outcome)
     shown.bands_table(report, done)
     report.results(outcome, folder.path)
@@ -130,10 +128,6 @@ def _recordings(
     cell = find_cell(cfg.robot)
     pose = cfg.pose or [*cell.poses, "p1"][1]
     setup = Cut(robot=cfg.robot, pose=pose, imu=ImuCfg(), **robot_state(cfg))
-    made: list[MotionRecording] = []
-    runs = RUNS if cfg.runs is None else cfg.runs
-    with report.progress("running", total=runs) as step:
-        for run in range(runs):
-            made.append(recorded(setup, seed, run))
-            step()
+    runs = range(RUNS if cfg.runs is None else cfg.runs)
+    made = report.each("running", lambda run: recorded(setup, seed, run), runs)
     return Arm(cell.robot, cell.limits), made

@@ -153,11 +153,7 @@ def imu(*, cfg: ImuOptions = ImuOptions(), common: Common = Common()) -> None:
         outcome = summary("imu", cfg, common, rest=rest.entries)
         leave, show = partial(shown.write_rest, rest), partial(shown.rest_table, rest)
     else:
-        done = []
-        with report.progress("moving", total=len(planned)) as step:
-            for one in planned:
-                done.append(run_one(experiment, one, common.seed))
-                step()
+        done = report.each("moving", lambda one: run_one(experiment, one, common.seed), planned)
         said = notes(done)
         outcome = summary("imu", cfg, common, notes=said, **results(done))
         leave, show = partial(shown.write_runs, done), partial(shown.error_tables, done)
@@ -176,19 +172,15 @@ def _recorded(cfg: ImuOptions, common: Common) -> None:
 
     from ..figures import recorded_imu as shown
 
-    report, done = Report(common), []
+    report = Report(common)
     with checking_input():
         arm, topics = load_robot(cfg.robot).arm, cfg.topics()
         recordings = [read_motion(one, topics) for one in cfg.recordings]
-        with report.progress("aligning", total=len(recordings)) as step:
-            for recording in recordings:
-                done.append(process(arm, recording, cfg.cutoff))
-                step()
+        done = report.each("aligning", lambda one: process(arm, one, cfg.cutoff), recordings)
     notes = [f"{one.name}: {note}" for one in recordings for note in one.notes]
     outcome = summary("imu", cfg, common, notes=notes, **shown.results(done))
     with run_folder(outcome, common) as folder:
         shown.write(folder, done)
-    for note in notes:
-        report.line(note)
+    report.lines(notes)
     shown.tables(report, done)
     report.results(outcome, folder.path)

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from armside.sim.records.summary import summary
 
@@ -47,8 +46,7 @@ def path_logs(
                 done = compare_logs(arm, logs, cfg.runs, common.seed, step)
             except RuntimeError as error:
                 raise RunFailed(one_line(error)) from error
-    found: dict[str, Any] = shown.results(done)
-    outcome = summary("path-logs", cfg, common, data=data, **found)
+    outcome = summary("path-logs", cfg, common, data=data, **shown.results(done))
     with run_folder(outcome, common) as folder:
         shown.draw(folder / "path-logs.png", done)
     shown.tables(report, done)

@@ -15,7 +15,7 @@ from ..jobs.store import Store, missing, run_batch
 from ..jobs.workers import Workers
 from ..shell.console import Report
 from ..shell.errors import InputError, checking_input
-from ..shell.options import Common, Limits, options
+from ..shell.options import Common, Limits, options, path_checked
 from ..thesis import entries
 from ..thesis.pages import COLUMNS, check_row, count, html, markdown
 from ..thesis.report import KIND, MARKER, AbsentError, Asked, Part, ReportFolder, Section, as_rows
@@ -28,14 +28,12 @@ DRAWING = 1.5
 """Cost of drawing a section in the progress, beside the cost of jobs."""
 
 
-def _check_report(_type: object, out: Path | None) -> None:
-    if out is not None:
-        ReportFolder(out)
-
-
-def _check_data(_type: object, data: Path | None) -> None:
-    if data is not None and not data.is_dir():
+def _check_data(data: Path) -> None:
+    if not data.is_dir():
         raise ValueError(f"{data} is no folder")
+
+
+_DATA = Parameter(validator=path_checked(_check_data), group="Parameters")
 
 
 @Parameter(name="*")
@@ -43,10 +41,10 @@ def _check_data(_type: object, data: Path | None) -> None:
 class ReportOptions(Common):
     """Options of every command, with a folder that may hold an earlier report."""
 
-    out: Annotated[Path | None, Parameter(validator=_check_report)] = None
+    out: Annotated[Path | None, Parameter(validator=path_checked(ReportFolder))] = None
     """Folder of the report, new, empty, or an earlier report to be continued [default:
     runs/report]."""
-    data: Annotated[Path | None, Parameter(validator=_check_data, group="Parameters")] = None
+    data: Annotated[Path | None, _DATA] = None
     """Folder with the sets of measurements of real arms, for `real` (docs/real.md)."""
 
 

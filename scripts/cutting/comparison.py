@@ -1,6 +1,6 @@
 """Options of `armside compare`, and the cuts that they name."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -75,13 +75,8 @@ class CompareCfg(KnownGearsCfg):
 
 
 def cases_of(cfg: CompareCfg, seed: int) -> list[Case]:
-    """All of `cases`."""
-    return list(cases(cfg, seed))
-
-
-def cases(cfg: CompareCfg, seed: int) -> Iterator[Case]:
     """Each pose and speed; a speed that the controller lowers also with its limit raised."""
-    robot = known_state(cfg, find_cell(cfg.robot).robot)
+    robot, found = known_state(cfg, find_cell(cfg.robot).robot), list[Case]()
     for speed in cfg.speeds:
         limits = [PathLimits()]
         if speed * 1e-3 > PathLimits().cornering_speed(RADIUS):
@@ -90,7 +85,8 @@ def cases(cfg: CompareCfg, seed: int) -> Iterator[Case]:
             cut = Cut(
                 robot=cfg.robot, pose=name, speed=speed * 1e-3, limits=limit, imu=ImuCfg(), **robot
             )
-            yield Case(cut=cut, seed=seed)
+            found.append(Case(cut=cut, seed=seed))
+    return found
 
 
 def refuse_absurd_comparison(cfg: CompareCfg, n_cases: int) -> None:

@@ -18,8 +18,8 @@ from armside.sim.robot.spread import Drawn
 from armside.sim.robot_file.find import find_cell
 
 from ..shell.options import (
-    LARGEST_SEED,
     PERCENT,
+    SEED,
     FileToRead,
     Limits,
     check_limits,
@@ -49,10 +49,8 @@ class IndividualCfg:
     """Effects of gears and drives to leave out, for ablations."""
 
     def __post_init__(self) -> None:
-        if isinstance(self.individual, int) and self.individual < 0:
-            raise ValueError(f"individual must be >= 0, or a TOML file, got {self.individual}")
-        if isinstance(self.individual, int) and self.individual > LARGEST_SEED:
-            raise ValueError(f"individual must be below 2^63, got {self.individual:.4e}")
+        if isinstance(self.individual, int):
+            SEED.check("individual", self.individual)
         Limits(-100.0, 1000.0, "%", above=True).check("friction_drift", self.friction_drift)
         Limits(*TEMPERATURES, "deg C").check("temperature", self.temperature)
         if self.temperature is not None and "load-friction" in self.without:

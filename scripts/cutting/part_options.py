@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Group, Parameter
 
 from armside.sim.instruments.imu import ImuCfg
-from armside.sim.laser.learning import measure_of
-from armside.sim.laser.measures import Measure, MotorAngles
 from armside.sim.motion.timing import PathLimits
 from armside.sim.part.chain import MM
 from armside.sim.part.drawing import Reading, Unit
@@ -161,10 +159,3 @@ def part_cut(file: Path, cfg: CutCfg) -> "PartCut":
     )
     found.tool_pose  # noqa: B018 - raises for an unknown pose
     return found
-
-
-def measure(cfg: CutCfg) -> Measure:
-    """The measured output of the options."""
-    if cfg.measure == "motor":
-        return MotorAngles()
-    return measure_of(cfg.measure)

@@ -7,7 +7,6 @@ An axis is written `option=value,value`; whole numbers also `first:last+1`, valu
 import re
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from itertools import product
@@ -219,11 +218,10 @@ def run_grid(
 
     The rest, the returned counts and the errors are those of `queue.complete`.
     """
-    jobs = {point.key: point for point in points}
     try:
         return complete(
-            jobs,
-            _Rows(rows, jobs),
+            {point.key: point for point in points},
+            rows,
             engine,
             done=lambda _: step(),
             retry_failed=retry_failed,
@@ -231,29 +229,3 @@ def run_grid(
         )
     finally:
         rows.gather()
-
-
-@dataclass(frozen=True)
-class _Rows:
-    """A dataset as a folder of results: of a point that fails, that is the result."""
-
-    dataset: Dataset
-    points: Mapping[str, Point]
-
-    @property
-    def folder(self) -> Path:
-        return self.dataset.folder
-
-    def status(self, key: str) -> str | None:
-        return self.dataset.status(key)
-
-    def keep(self, key: str, outcome: Row | Exception) -> str:
-        if not isinstance(outcome, Exception):
-            try:
-                self.dataset.add(outcome)
-                return outcome["status"]
-            except ValueError as error:  # it fits no dataset, and fails alone
-                outcome = error
-        with suppress(ValueError):
-            self.dataset.add(self.points[key].failed(outcome))
-        return FAILED

@@ -40,7 +40,7 @@ class Results(Protocol):
         """Status of a stored result; None where there is none, or a damaged one."""
         ...
 
-    def keep(self, key: str, outcome: Any) -> str:
+    def keep(self, key: str, job: Any, outcome: Any) -> str:
         """Store the outcome of a job, its result or an exception, and return its status. A killed
         process does not lose what was stored. Raises OSError, such as on a full disk."""
         ...
@@ -126,8 +126,8 @@ def complete(
 
     try:
         while left:
-            for (key, _), outcome in engine.results(run, ours()):
-                counts[results.keep(key, outcome)] += 1
+            for (key, job), outcome in engine.results(run, ours()):
+                counts[results.keep(key, job, outcome)] += 1
                 claims.drop(key)
                 done(key)
             if held and not told:

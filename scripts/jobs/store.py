@@ -69,7 +69,7 @@ class Store:
             return None
         return DONE
 
-    def keep(self, key: str, outcome: Any) -> str:
+    def keep(self, key: str, job: Job, outcome: Any) -> str:
         """See `queue.Results`; of an exception nothing is stored."""
         if isinstance(outcome, Exception):
             self.errors[key] = outcome

@@ -50,12 +50,8 @@ def mean_norms(group: Sequence[LawRun]) -> np.ndarray:
     return np.mean(rows, axis=0)
 
 
-def rows(runs: Sequence[LawRun]) -> list[dict[str, Any]]:
-    """Entries of `summary.json`."""
-    return [_entry(run) for run in runs]
-
-
-def _entry(run: LawRun) -> dict[str, Any]:
+def row(run: LawRun) -> dict[str, Any]:
+    """Entry of `summary.json`."""
     predicted = None
     if run.prediction is not None:
         predicted = {

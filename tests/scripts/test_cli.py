@@ -139,7 +139,7 @@ BAD_INPUT = {
     "probe --iterations nan": "nan",
     "probe --end odd": 'Choose from: "done", "diverged"',
     "probe --end no-file": "no-such-model.xml",
-    "probe --seed -1": "seed must be >= 0, got -1",
+    "probe --seed -1": "seed must be 0 to 9.22337e+18, got -1",
     "probe --seed 0.5": "whole number",
     "probe --no-json": "Unknown option",
     "probe --out full": "full is not empty",

@@ -65,7 +65,7 @@ def test_summary_tables_and_files(armside, tmp_path, folder):
         ("--robot nowhere", "Unknown robot 'nowhere'"),
         ("--robot large --runs 0", "runs must be 1 to 10, got 0"),
         ("--robot large --pose p9", "Unknown pose 'p9'"),
-        ("--robot large --individual -1", "individual must be >= 0"),
+        ("--robot large --individual -1", "individual must be 0 to 9.22337e+18, got -1"),
         (". --robot ur10 --runs 2", "runs is of a virtual robot: give no recordings with it"),
         (". --robot ur10 --without ripple", "without is of a virtual robot"),
         ("nowhere --robot ur10", "nowhere is no folder"),

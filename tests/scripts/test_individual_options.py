@@ -8,7 +8,7 @@ import pytest
 
 from armside import assets
 from armside.scripts.cli import main
-from armside.scripts.cutting.comparison import CompareCfg, cases
+from armside.scripts.cutting.comparison import CompareCfg, cases_of
 from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.specification import cut
 from armside.scripts.jobs.dataset import schema
@@ -94,7 +94,7 @@ def test_identify_judges_by_the_springs_and_hinges_of_the_individual():
 def test_compare_cuts_with_the_individual_of_its_options():
     options = {"poses": ("p1",), "speeds": (40.0,), "without": ("ripple",)}
     cfg = CompareCfg(individual=NUMBER, friction_drift=-5.0, temperature=40.0, **options)
-    (case,) = cases(cfg, 0)
+    (case,) = cases_of(cfg, 0)
     assert (case.cut.individual, case.cut.friction_drift) == (Drawn(NUMBER), -0.05)
     assert case.cut.temperature == 40.0
 
@@ -144,7 +144,7 @@ def test_resolved_options_say_the_temperature_of_the_model_and_no_spread_of_an_i
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("--individual -1", "individual must be >= 0"),
+        ("--individual -1", "individual must be 0 to 9.22337e+18, got -1"),
         ("--individual 1.5", "whole number"),
         ("--individual nobody.toml", "nobody.toml does not exist"),
         ("--individual .", ". is a folder, not a file"),

@@ -34,7 +34,7 @@ from .sweep_engine import Serial, failing_with, quick, start
         (("law=inverse", "measure=estimate", "cutoff=-1"), "cutoff=-1: cutoff must be above 0"),
         (("position=1/2",), "position=1/2: Incorrect number"),
         (("contour=a/missing.toml",), "missing.toml: .* No such file"),
-        (("seed=-1,0",), "seed=-1: seed must be >= 0"),
+        (("seed=-1,0",), r"seed=-1: seed must be 0 to 9.22337e\+18"),
         (("gamma=1", "gamma=2"), "gamma is given twice"),
         (("delta=3,3",), "has a value twice"),
         (("delta=1.5",), "must be a whole number"),
