@@ -4,11 +4,14 @@ import importlib
 import os
 import subprocess
 import sys
+from io import BytesIO
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
+from matplotlib.image import imsave
 
 from armside.scripts import cli
 from armside.scripts.jobs.dataset import Dataset
@@ -78,6 +81,22 @@ def armside_process(tmp_path):
         return Outcome(done.returncode, done.stdout or "", done.stderr or "")
 
     return run
+
+
+@pytest.fixture(scope="module")
+def unrendered():
+    """Figures are composed and not rendered: each file is a picture of one pixel; in CI, whole.
+
+    For tests of what else a command leaves. Gives what renders a figure.
+    """
+    whole, pixel = Figure.savefig, BytesIO()
+    imsave(pixel, np.zeros((1, 1)), format="png")
+    with pytest.MonkeyPatch.context() as patch:
+        if not os.environ.get("ARMSIDE_CI"):
+            patch.setattr(
+                Figure, "savefig", lambda _, file, **__: file.write_bytes(pixel.getvalue())
+            )
+        yield whole
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from armside.scripts.cli import main
 from armside.sim.laser import Cut, learn
 from armside.sim.robot.effects import Effect
 
-pytestmark = pytest.mark.usefixtures("quick_identification")
+pytestmark = pytest.mark.usefixtures("quick_identification", "unrendered")
 
 
 @pytest.fixture(scope="module")

@@ -13,6 +13,8 @@ from armside.kinematics import compile, read_robot
 from armside.kinematics.urdf import read_urdf
 from armside.scripts.cli import main
 
+pytestmark = pytest.mark.usefixtures("unrendered")
+
 UR10 = Path(__file__).parents[2] / "docs/examples/ur10_tmac"
 FAST = "--harmonics 0 --next 3"
 

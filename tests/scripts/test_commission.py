@@ -16,7 +16,7 @@ from armside.sim.twin.twin import Twin
 INDIVIDUAL = "2001"  # of the shared twin
 SCATTER = 6e-6
 """[m], by which noise of an IMU moves a corrected cut from run to run: 2 to 5 um were seen."""
-pytestmark = pytest.mark.usefixtures("quick_identification")
+pytestmark = pytest.mark.usefixtures("quick_identification", "unrendered")
 
 
 @pytest.fixture(scope="module")

@@ -13,6 +13,8 @@ from armside.scripts.cutting.earlier import earlier
 from armside.scripts.shell.options import Common
 from armside.sim.records.files import InputError
 
+pytestmark = pytest.mark.usefixtures("unrendered")
+
 WAYS = ["motor", "estimate", "tracker", "oracle"]
 ROBOT = str(assets.IRB1400_XML.parent / "two_link.toml")
 """Two axes: its springs are identified in a second."""

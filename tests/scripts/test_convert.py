@@ -11,6 +11,8 @@ import pytest
 from armside.scripts import cli
 from armside.sim.records.tables import read_table, units, write_table
 
+pytestmark = pytest.mark.usefixtures("unrendered")
+
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):

@@ -10,6 +10,8 @@ import pytest
 from armside.scripts.cli import main
 from armside.sim.records import read_run
 
+pytestmark = pytest.mark.usefixtures("unrendered")
+
 PLATE = ((0, 0), (40, 0), (40, 25), (0, 25))
 
 

@@ -10,6 +10,8 @@ import pytest
 from armside.ilc.workbench.laws import LAWS
 from armside.scripts.cli import main
 
+pytestmark = pytest.mark.usefixtures("unrendered")
+
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "choose-a-law.md").read_text(encoding="utf-8").replace("\\\n", " ")
 COMPOSED = ROOT / "docs" / "examples" / "composed_laws.py"

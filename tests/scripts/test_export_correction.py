@@ -15,6 +15,8 @@ from armside.sim.controller.stored_correction import read_correction
 from armside.sim.records import read_run
 from armside.sim.records.tables import read_table, units
 
+pytestmark = pytest.mark.usefixtures("unrendered")
+
 ROBOT = "large:radius=2,speed=80"
 
 

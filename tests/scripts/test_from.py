@@ -10,6 +10,8 @@ from armside import assets
 from armside.scripts.cli import main
 from armside.sim.records import read_run
 
+pytestmark = pytest.mark.usefixtures("unrendered")
+
 SCARA = str(assets.IRB1400_XML.parent / "scara.toml")
 
 

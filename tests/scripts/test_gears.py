@@ -7,6 +7,8 @@ import pytest
 
 from armside.kinematics import Limits, Link, Robot, compile, read_gear_error, robot_toml
 
+pytestmark = pytest.mark.usefixtures("unrendered")
+
 ARM = Robot((Link(d=0.3, alpha=np.pi / 2), Link(a=0.5), Link(a=0.4)), name="three joints")
 LIMITS = Limits(lower=(-3.0,) * 3, upper=(3.0,) * 3, speed=(3.0,) * 3)
 

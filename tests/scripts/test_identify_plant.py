@@ -10,6 +10,8 @@ from armside.ilc.models.file import read_model
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 
+pytestmark = pytest.mark.usefixtures("unrendered")
+
 STEP = 0.01
 TRUE = System(np.array([0, 0, 0.2, 0.1]), np.array([1.0, -1.5, 0.7]), STEP)
 SHORT = "--structures oe --largest-order 2 --largest-delay 3"

@@ -13,6 +13,8 @@ from armside.sim.imu.phases import idle_peaks
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.records.signals import read_signals
 
+pytestmark = pytest.mark.usefixtures("unrendered")
+
 FIGURES = {
     "motor-angles.png",
     "path.png",

@@ -21,6 +21,8 @@ from armside.sim.robot.individual_file import PARAMETERS, read_individual
 from armside.sim.robot.model import load_model
 from armside.sim.robot.spread import Drawn
 
+pytestmark = pytest.mark.usefixtures("unrendered")
+
 DESIGN = load_model(assets.LARGE_ROBOT_XML)
 NUMBER = next(n for n in range(1, 100) if len(Drawn(n).of(DESIGN).hidden) == 2)
 QUICK = "laser --iterations 0 --radius 3 --speed 60 --quiet"

@@ -14,6 +14,8 @@ from armside.sim.records.signals import read_signals
 
 from .replay_content import content
 
+pytestmark = pytest.mark.usefixtures("unrendered")
+
 FILES = {"summary.json", "individual.toml", "signals.parquet", "robot.xml", "replay.rrd"}
 FILES |= {"state.npz", "circles.png", "errors.png", "kerf.png"}
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from armside.scripts.cli import main
 from armside.scripts.cutting.learning import ready, run
@@ -16,6 +17,8 @@ from armside.sim.estimation.elasticity import ArmParameters, Elasticity
 from armside.sim.estimation.parameters_file import read_parameters, springs_entry
 from armside.sim.evaluation.kerf import Kerf
 from armside.sim.motion.contour import Circle
+
+pytestmark = pytest.mark.usefixtures("unrendered")
 
 
 def laser(out, line):
@@ -148,7 +151,8 @@ def test_bad_input_is_one_clear_line_and_writes_nothing(words, said, bad_input):
     bad_input(f"laser {words}", said)
 
 
-def test_a_beam_lost_or_a_run_diverged_still_draws(tmp_path):
+def test_a_beam_lost_or_a_run_diverged_still_draws(tmp_path, monkeypatch, unrendered):
+    monkeypatch.setattr(Figure, "savefig", unrendered)
     way = np.linspace(0.0, 0.0314, 90)
     half, gone = np.full_like(way, 1e-4), np.full_like(way, np.nan)
     contour = {"curve": Circle(5e-3), "beam": 2e-4, "arc_length": way}

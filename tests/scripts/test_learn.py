@@ -4,12 +4,15 @@ import json
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from armside.ilc.models.conversion import as_state_space
 from armside.ilc.models.file import write_model
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 from armside.scripts.cli import main
+
+pytestmark = pytest.mark.usefixtures("unrendered")
 
 LAG = {"sample_time": 0.01, "b": [0, 0.1], "a": [1, -0.9]}
 OWN = """
@@ -39,7 +42,10 @@ SIX = ("heuristic:gamma=0.5,delta=1", "gradient", "inverse", "norm-optimal", "hi
 
 
 @pytest.mark.parametrize("plant", ["lag.json", "two-mass"])
-def test_six_laws_on_a_plant_in_one_table_of_80_columns(plant, place, capsys):
+def test_six_laws_on_a_plant_in_one_table_of_80_columns(
+    plant, place, capsys, monkeypatch, unrendered
+):
+    monkeypatch.setattr(Figure, "savefig", unrendered)
     words = ["learn", "--plant", plant, "--laws", *SIX, "own.py:half", "--iterations", "1"]
     assert main([*words, "--samples", "80", "--out", "a"]) == 0
     table = capsys.readouterr().out

@@ -12,6 +12,8 @@ import pytest
 
 from armside.scripts import cli
 
+pytestmark = pytest.mark.usefixtures("unrendered")
+
 compute: Any = pyarrow.compute
 """Its functions are made when it is imported."""
 LOG = ("reference", "motor_angle", "motor_torque")

@@ -17,6 +17,8 @@ from armside.sim.replay.scene import write_scenes
 
 from .replay_content import content
 
+pytestmark = pytest.mark.usefixtures("unrendered")
+
 
 @pytest.fixture(scope="module")
 def run(replayed):

@@ -14,6 +14,8 @@ from armside.scripts.cli import main
 from armside.sim.robot_file.hardware import DRIVES, EFFECTS, GEARS
 from armside.sim.robot_file.reading import TABLES
 
+pytestmark = pytest.mark.usefixtures("unrendered")
+
 SCARA = assets.LARGE_ROBOT_XML.with_name("scara.toml")
 
 

@@ -22,6 +22,8 @@ from armside.sim.evaluation.check import Check, Table
 from armside.sim.laser.specification import LeadIn
 from armside.sim.robot.effects import Effect
 
+pytestmark = pytest.mark.usefixtures("unrendered")
+
 # Seeds of commands that only pass them on
 
 

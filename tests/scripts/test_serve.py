@@ -10,6 +10,8 @@ import pytest
 from armside import assets
 from armside.scripts.cli import main
 
+pytestmark = pytest.mark.usefixtures("unrendered")
+
 SERVE = [sys.executable, "-m", "armside.scripts.cli", "serve"]
 
 
