@@ -76,21 +76,6 @@ def test_springs_that_are_not_whole_are_named(change, said, identified, tmp_path
     assert str(file) in err
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("--law inverse", "--measure estimate"),
-        ("--measure estimate --gamma 1 1 1 1 1 1", "gamma takes one value"),
-        ("--measure estimate --identification nowhere", "no identification"),
-        ("--identification nowhere", "no identification"),
-        ("--measure tracker --stiffness-error 100", "stiffness-error"),
-        ("--path-acceleration 0", "path-acceleration"),
-    ],
-)
-def test_bad_input_is_one_clear_line(words, said, bad_input):
-    bad_input(f"laser {words}", said)
-
-
 def test_learning_from_the_estimate_needs_one_run_to_commission():
     """`make bench NAME=estimation` times it."""
     cut = Cut(pose="p1", without=tuple(Effect))

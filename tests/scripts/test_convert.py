@@ -177,16 +177,12 @@ def test_without_a_radius_only_motors_are_measured(tmp_path, capsys):
         ("convert .", "no summary.json"),
     ],
 )
-def test_bad_input_is_one_clear_line(words, said, tmp_path, monkeypatch, capsys):
+def test_bad_input_is_one_clear_line(words, said, tmp_path, monkeypatch, bad_input):
     monkeypatch.chdir(tmp_path)
     write_table(Path("mine.csv"), own_data())
     Path("words.csv").write_text("time,reference_1\nsoon,far\n")
     Path("mine.xls").write_text("")
-    assert cli.main(words.split()) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert said in err
-    assert err.count("\n") == 1
+    bad_input(words, said)
 
 
 def test_a_missing_package_is_named_with_its_extra(run, tmp_path, monkeypatch, capsys):

@@ -119,14 +119,8 @@ def test_a_plan_moves_nothing(tmp_path, capsys):
         ("--speed 0.001", "would take about"),
     ],
 )
-def test_what_cannot_be_cut_is_refused_in_one_line(more, said, tmp_path, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    file = plate(tmp_path)
-    assert main(["cut", str(file), *more.split()]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1
-    assert said in error
-    assert [f.name for f in tmp_path.iterdir()] == ["plate.dxf"]
+def test_what_cannot_be_cut_is_refused_in_one_line(more, said, tmp_path, bad_input):
+    bad_input(f"cut {plate(tmp_path)} {more}", said)
 
 
 def test_a_missing_package_is_named(tmp_path, capsys, monkeypatch):

@@ -95,22 +95,6 @@ def test_an_experiment_measures_the_response_of_its_plant(armside, tmp_path):
     np.testing.assert_allclose(found["magnitude"][0], true, rtol=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [
-        ("identify-plant", "give a record, or --plant"),
-        ("identify-plant --plant two-mass --column 2", "column must be 1 to 1, got 2"),
-        ("identify-plant --plant two-mass --periods 500", "not of 20"),
-        ("identify-plant --plant two-mass --largest-order 15", "must be 1 to 14, got 15"),
-        ("identify-plant --plant two-mass --structures oe oe", "each given once"),
-        ("identify-plant nowhere.csv", "nowhere.csv"),
-        ("identify-plant --plant two-mass --band-fits 1", "0 or at least 2"),
-    ],
-)
-def test_bad_input_is_refused_in_one_line(bad_input, line, said):
-    bad_input(line, said)
-
-
 def test_records_that_say_nothing_are_refused_in_one_line(armside, tmp_path):
     u, y = measured(0, n=100)
     write(tmp_path / "untimed.csv", u, y, time=False)

@@ -128,35 +128,6 @@ def test_six_values_make_a_law_per_motor(tmp_path):
     assert config["gamma"] == [0.9, 0.9, 0.9, 0.9, 0.9, 0.5]
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("--pose p9", "Poses: p1, p2, p3"),
-        ("--radius 2000", "694.923 mm outside"),
-        ("--radius 0", "radius must be 0.1 to 5000 mm, got 0"),
-        ("--speed -1", "speed must be 0.001 to 10000 mm/s, got -1"),
-        ("--cutoff 125", "Nyquist"),
-        ("--gamma 0", "gamma must be > 0"),
-        ("--delta 600", "record"),
-        ("--delta -1", "delta must be >= 0 samples, got -1"),
-        ("--delta 3 3 3 3 3 -2", "delta must be >= 0 samples, got -2"),
-        ("--measure tracker --delta -1", "delta must be >= 0 samples, got -1"),
-        ("--delta 2.5", "whole number"),
-        ("--speed nan", "finite"),
-        ("--gamma inf", "finite"),
-        ("--iterations -1", "iterations"),
-        ("--friction-spread 100", "friction-spread"),
-        ("--cutoff 10 9", "one value or six"),
-        ("--law magic", "heuristic"),
-        ("--measure wish", "motor"),
-        ("--robot r2d2", "large"),
-        ("--model missing.xml", "missing.xml"),
-    ],
-)
-def test_bad_input_is_one_clear_line_and_writes_nothing(words, said, bad_input):
-    bad_input(f"laser {words}", said)
-
-
 def test_a_model_that_lacks_a_joint_is_refused_by_name(tmp_path, monkeypatch, capsys):
     robot = tmp_path / "robot.xml"
     robot.write_text(assets.LARGE_ROBOT_XML.read_text().replace('"motor_5"', '"engine_5"'))
