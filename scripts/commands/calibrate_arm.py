@@ -4,8 +4,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from cyclopts import Parameter
-
 from armside.kinematics.calibration import CalibrationCfg, JointErrors, Priors
 from armside.sim.records.summary import summary
 from armside.sim.robot_file.find import load_robot
@@ -13,7 +11,7 @@ from armside.sim.robot_file.find import load_robot
 from ..shell.bag_options import BagCfg
 from ..shell.console import Report, run_folder
 from ..shell.errors import RunFailed, checking_input, one_line
-from ..shell.options import Common, Limits, check_limits, options
+from ..shell.options import SOME, Common, Limits, check_limits, options
 
 MM = 1e-3
 LIMITS = {
@@ -39,9 +37,7 @@ class CalibrateArmCfg(BagCfg):
     """Number of poses that are fitted, in place of the fraction."""
     in_order: bool = False
     """Fit the first poses and judge on the last [default: at random by --seed]."""
-    parameters: Annotated[
-        tuple[str, ...], Parameter(consume_multiple=True, show_default=False)
-    ] = ()
+    parameters: Annotated[tuple[str, ...], SOME] = ()
     """Errors of links to fit, such as theta_2 a_2 beta_2 [default: all that can be identified]."""
     harmonics: int | None = None
     """Order of the harmonics of each joint's error [default: chosen on a part of the fitted]."""

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from cyclopts import Parameter
 
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
@@ -33,9 +32,7 @@ from armside.sim.twin.tool_sensor import ResidualScale
 from ..cutting.options import OF_ROBOT, IndividualCfg, robot_state
 from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input
-from ..shell.options import Common, Limits, check_limits, options
-
-_SEVERAL = Parameter(consume_multiple=True)
+from ..shell.options import SEVERAL, Common, Limits, check_limits, options
 
 
 @options
@@ -51,10 +48,10 @@ class CommissionCfg(IndividualCfg):
     """Sensor at the tool: a laser tracker, or an IMU that stays on the robot."""
     payload: float | None = None
     """Mass of the tool [kg] [default: as in the model]."""
-    recordings: Annotated[tuple[Path, ...], _SEVERAL] = ()
+    recordings: Annotated[tuple[Path, ...], SEVERAL] = ()
     """Runs to commission from, in place of cuts by the virtual robot: folders of `armside laser`,
     or tables of recorded data."""
-    leave_out: Annotated[tuple[str, ...], _SEVERAL] = ()
+    leave_out: Annotated[tuple[str, ...], SEVERAL] = ()
     """Names of cuts to leave out."""
     choose: bool = False
     """Only choose the plan anew, and print what each cut adds."""
@@ -144,7 +141,6 @@ def named(recordings: Sequence[Path]) -> dict[str, Path]:
 
 
 def _read(cfg: CommissionCfg, names: list[str]) -> tuple[list[MeasuredCut], list[Note]]:
-    """Recordings with these names, and their notes."""
     chosen = {name: path for name, path in named(cfg.recordings).items() if name in names}
     cuts = [replace(read_cut(path, cfg.measure), name=name) for name, path in chosen.items()]
     return cuts, counted((notes_of_first_run(path) for path in chosen.values()), "cuts")
@@ -153,7 +149,6 @@ def _read(cfg: CommissionCfg, names: list[str]) -> tuple[list[MeasuredCut], list
 def _cut(
     cfg: CommissionCfg, names: list[str], seed: int, report: Report
 ) -> tuple[list[MeasuredCut], list[Note]]:
-    """Cuts of the plan with these names, by the virtual robot, and their notes."""
     cuts, tally = [], Tally()
     with report.progress("cutting", total=len(names)) as step:
         for i, planned in enumerate(plan(cfg.cuts)):

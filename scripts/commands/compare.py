@@ -90,7 +90,6 @@ def _by_twin(case: Case, folder: Path, iterations: int, before: Start | None) ->
 
 
 def _notes(todo: list[Case], found: list[dict[str, list[Iteration]]]) -> Iterator[Note]:
-    """Notes of every cut, with its place and what it was learned from."""
     for case, of in zip(todo, found, strict=True):
         experiment, limit = case.experiment(), f"{case.cut.limits.acceleration:g} m/s^2"
         place = f"{case.cut.pose}, {1e3 * case.cut.speed:g} mm/s, {limit}"

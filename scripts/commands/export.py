@@ -96,7 +96,6 @@ class ExportCfg:
 def _check(
     cfg: ExportCfg, what: tuple[str, ...], to: tuple[str, ...], of: str, advice: str
 ) -> None:
-    """Raise ValueError for a choice that is not of a robot, or not of a run."""
     for name, given, allowed in (("what", cfg.what, what), ("to", cfg.to, to)):
         if given not in allowed:
             text = f"--{name} of {of} is {', '.join(allowed)}, got {given}"
@@ -136,7 +135,6 @@ def _export_robot(report: Report, cfg: ExportCfg, common: Common) -> None:
 
 
 def _files(cfg: ExportCfg) -> tuple[dict[str, str], int | None]:
-    """Name and text of each file, and the number of operations of the code."""
     named, what = str(cfg.robot), str(cfg.what)
     word = Path(named.partition("#")[0]).stem
     if cfg.to in ("urdf", "mjcf"):
@@ -152,7 +150,6 @@ def _files(cfg: ExportCfg) -> tuple[dict[str, str], int | None]:
 
 
 def _robot(named: str, word: str, to: str) -> dict[str, str]:
-    """The robot itself, with the masses that its source has."""
     from armside.kinematics.codegen.robot_xml import mjcf, urdf
 
     arm, bodies, notes = load_robot(named, masses=True)

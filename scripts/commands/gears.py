@@ -109,7 +109,6 @@ def gears(*data: Path, cfg: GearsOptions, common: Common = Common()) -> None:
 def _recordings(
     data: Sequence[Path], cfg: GearsOptions, seed: int, report: Report
 ) -> "tuple[Arm, list[MotionRecording]]":
-    """The arm, and its recordings: given, or made by a virtual robot."""
     from armside.sim.recordings import read_motion
 
     if len(data) > LARGEST_NUMBER:

@@ -2,21 +2,20 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
-
-from cyclopts import Parameter
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder
 from ..shell.effort import Effort, refuse_absurd
 from ..shell.errors import checking_input
-from ..shell.options import Common, FileToRead, Limits, check_limits, options
+from ..shell.options import SEVERAL, Common, FileToRead, Limits, check_limits, options
 from ..workbench.options import SAMPLE_TIME
 
 if TYPE_CHECKING:
     from armside.ilc.workbench.input_output import InputOutput
 
+StructureName = Literal["arx", "armax", "oe", "bj", "subspace"]
 SECONDS = 3e-5
 """[s] for each sample, structure and square of the largest order, rounded up."""
 LIMITS = {
@@ -59,10 +58,7 @@ class IdentifyPlantCfg:
     """Samples of one period of a record with one periodic input: a frequency response too."""
     from_rest: bool = False
     """The record starts at rest at zero: means are not subtracted."""
-    structures: Annotated[
-        tuple[Literal["arx", "armax", "oe", "bj", "subspace"], ...],
-        Parameter(consume_multiple=True),
-    ] = ("arx", "armax", "oe", "bj", "subspace")
+    structures: Annotated[tuple[StructureName, ...], SEVERAL] = get_args(StructureName)
     """Structures to compare: oe is output error, bj is Box-Jenkins. Records with several inputs or
     outputs are for subspace alone."""
     largest_order: int = 4
@@ -132,7 +128,6 @@ def identify_plant(
 
 
 def _record(file: Path | None, cfg: IdentifyPlantCfg, common: Common) -> "InputOutput":
-    """Record of the file, deviations from its means; or of an experiment."""
     import numpy as np
 
     from armside.ilc.workbench.input_output import excited, read_input_output

@@ -53,7 +53,6 @@ def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
 
 
 def _loci(cfg: LearnCfg, task: "Task") -> "dict[str, Eigenloci]":
-    """Eigenloci of each heuristic law, for a coupled model."""
     from armside.ilc.workbench.compare import setting_of
     from armside.ilc.workbench.prediction import predicted_loci
 

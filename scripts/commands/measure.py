@@ -8,7 +8,6 @@ from typing import Annotated, Any
 
 import numpy as np
 import pyarrow as pa
-from cyclopts import Parameter
 
 from armside.sim.evaluation.recorded import (
     CircleTurn,
@@ -29,7 +28,7 @@ from armside.sim.robot_file.find import check_named, find_cell
 
 from ..shell.console import Report, keep
 from ..shell.errors import checking_input
-from ..shell.options import Common, FileToRead, Limits, check_limits, options
+from ..shell.options import SOME, Common, FileToRead, Limits, check_limits, options
 
 LIMITS = {
     "radius": Limits(0.0, 5e3, "mm", above=True),
@@ -48,7 +47,7 @@ class MeasureCfg:
     robot: str = "large"
     """Robot with these gear ratios, where --gear is not given: large, irb1400, or a robot file
     (.toml)."""
-    gear: Annotated[tuple[float, ...], Parameter(consume_multiple=True, show_default=False)] = ()
+    gear: Annotated[tuple[float, ...], SOME] = ()
     """Gear ratio of each motor; 1 for angles that are of the motor shaft already."""
     radius: float | None = None
     """Radius of the circle that the tracker saw [mm]. Without it and a contour only motors are

@@ -15,7 +15,7 @@ from ..jobs.store import Store, missing, run_batch
 from ..jobs.workers import Workers
 from ..shell.console import Report
 from ..shell.errors import InputError, checking_input
-from ..shell.options import Common, Limits, options, path_checked
+from ..shell.options import SOME, Common, Limits, options, path_checked
 from ..thesis import entries
 from ..thesis.pages import COLUMNS, check_row, count, html, markdown
 from ..thesis.report import KIND, MARKER, AbsentError, Asked, Part, ReportFolder, Section, as_rows
@@ -53,7 +53,7 @@ class ReportOptions(Common):
 class JointCfg:
     """Another joint, design or law in the figures of chapter 8, which are then not compared."""
 
-    joint: Annotated[tuple[str, ...], Parameter(consume_multiple=True, show_default=False)] = ()
+    joint: Annotated[tuple[str, ...], SOME] = ()
     """Numbers of the joint and its controller, KEY=VALUE in SI units: Jm, Ja (inertias), rg
     (ratio, below 1), k, d (spring), fm (friction), kt; Kp, Kd, Tf [default: Table 8.1, (8.11)]."""
     gamma: float = 0.9
@@ -157,13 +157,11 @@ def _parts(ids: Sequence[str], cfg: JointCfg, common: ReportOptions) -> dict[str
 
 
 def _changed(cfg: JointCfg) -> dict[str, Any]:
-    """Options of a joint that are not the default."""
     own, usual = vars(cfg), vars(JointCfg())
     return {name: value for name, value in own.items() if value != usual[name]}
 
 
 def _options(name: str, cfg: JointCfg) -> str:
-    """Options with which a section is made again."""
     if name.startswith(f"{entries.REAL}-"):
         return " --data FOLDER"
     words = (

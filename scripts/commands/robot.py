@@ -103,7 +103,6 @@ def robot(
 
 
 def _named(model: Path | None, cfg: RobotCfg) -> tuple[str, Path | None]:
-    """Robot, and MJCF in place of its own."""
     if model is not None and model.suffix == ".toml":
         return str(model), None
     return cfg.robot or "large", model

@@ -103,7 +103,6 @@ def serve(*, cfg: ServeCfg = ServeCfg(), common: Common = Common()) -> None:
 
 
 def _of_time(server: "Server") -> str:
-    """Line on the cycles of 4 ms."""
     late = f"{server.late} answers came after their cycle or twice"
     said = f"Real time: {late}; cycles began at most {1e3 * server.longest:.2g} ms late"
     return said if server.prioritised else f"{said} (the system grants no real-time priority)"

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from cyclopts import Parameter
 
 from armside.ilc.workbench.compare import RunState, save_states
 from armside.sim.cell import pose
@@ -22,12 +21,11 @@ from armside.sim.robot_file.find import find_cell
 
 from ..shell.effort import refuse_absurd
 from ..shell.errors import InputError
-from ..shell.options import PERCENT, Limits, check_limits, options
+from ..shell.options import PERCENT, SEVERAL, Limits, check_limits, options
 from .earlier import STATE, Earlier
 from .options import OF_ROBOT, KnownGearsCfg, known_state
 from .specification import effort
 
-_Several = Parameter(consume_multiple=True)
 RADIUS = 0.005
 """[m], of the circles."""
 MEASURES = 4
@@ -41,9 +39,9 @@ class CompareCfg(KnownGearsCfg):
 
     robot: str = "large"
     """Robot: large, irb1400, or a robot file (.toml)."""
-    poses: Annotated[tuple[str, ...], _Several] = ()
+    poses: Annotated[tuple[str, ...], SEVERAL] = ()
     """Named poses [default: all of the robot; p1, p2 and p3 of thesis (9.3) of the large one]."""
-    speeds: Annotated[tuple[float, ...], _Several] = (40.0, 100.0)
+    speeds: Annotated[tuple[float, ...], SEVERAL] = (40.0, 100.0)
     """Programmed speeds [mm/s]."""
     raised_acceleration: float = 2.2
     """Raised limit: cuts whose speed the controller lowers are also made with it [m/s^2]."""

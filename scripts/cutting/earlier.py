@@ -14,7 +14,6 @@ from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.stored_run import StoredRun, read_run
 from armside.sim.robot_file.find import find_cell
 
-from ..shell.console import Report
 from ..shell.errors import InputError
 from ..shell.options import Common, options
 
@@ -165,7 +164,6 @@ def earlier(
 
 
 def _refuse_diverged(run: StoredRun) -> None:
-    """Raise InputError for a run, or a comparison with a loop, that diverged."""
     for row in run.summary.get("comparisons", ()):
         if row["diverged"]:
             lost = f"learning from {row['measure']} diverged at {row['pose']}"
@@ -220,7 +218,6 @@ def _given(cfg: Any) -> list[str]:
 
 
 def _typed(kind: Any, name: str, stored: Any) -> Any:
-    """A value of JSON as the option has it."""
     if isinstance(stored, list):
         return tuple(stored)
     hint = get_type_hints(kind)[name]
@@ -232,12 +229,3 @@ def save_state(folder: RunFolder, state: RunState | None) -> None:
     """Write the state that the next run goes on from; none of a run without a loop."""
     if state is not None:
         save_states(folder / STATE, {KEY: state})
-
-
-def show_transfer(report: Report, before: Earlier, without: float | None, rows: list[Any]) -> None:
-    """Print what a run started from; where it was taken over, the error with and without it."""
-    report.line(before.line)
-    first = rows[0]["arm_rms"]
-    if without is not None and first is not None:
-        figures = f"{1e6 * first:.4g} um, {1e6 * without:.4g} um without it"
-        report.line(f"Its first run, with that correction: RMS {figures}")

@@ -20,6 +20,7 @@ from armside.sim.robot_file.find import find_cell
 from ..shell.options import (
     PERCENT,
     SEED,
+    SOME,
     FileToRead,
     Limits,
     check_limits,
@@ -80,10 +81,7 @@ def _drawn(number: int | None) -> Drawn | None:
 class KnownGearsCfg(IndividualCfg):
     """Robot individual, and what is known of its gears."""
 
-    gears: Annotated[
-        Path | None,
-        Parameter(group=_GROUP, validator=check_read),
-    ] = None
+    gears: Annotated[Path | None, Parameter(group=_GROUP, validator=check_read)] = None
     """File gears.toml of `armside gears`. Of this robot individual: its motors then follow what
     makes the tool right, and the estimate knows its gear error."""
 
@@ -98,7 +96,6 @@ def known_state(cfg: KnownGearsCfg, robot: Robot) -> dict[str, Any]:
 
 
 _BY_ROBOT: Any = None  # until the configuration knows its robot
-_OfDesign = Parameter(consume_multiple=True, show_default=False)
 RADIUS = 5.0
 """[mm], of the circle where none is given."""
 FRICTION_SPREAD = 2.0
@@ -204,13 +201,13 @@ class LaserCfg(ContourCfg):
     heuristic for --measure motor, inverse otherwise]."""
     measure: Literal["motor", "estimate", "tracker"] = "motor"
     """Learn from. Motor angles, or the tool by an IMU estimate or the tracker."""
-    gamma: Annotated[tuple[float, ...], _OfDesign] = _BY_ROBOT
+    gamma: Annotated[tuple[float, ...], SOME] = _BY_ROBOT
     """Learning gain [default: 0.9]. One for all motors or six [default with --robot irb1400
     --measure motor: 1]."""
-    delta: Annotated[tuple[int, ...], _OfDesign] = _BY_ROBOT
+    delta: Annotated[tuple[int, ...], SOME] = _BY_ROBOT
     """Time shift [samples of 4 ms] [default: 3]. One for all motors or six [default with --robot
     irb1400 --measure motor: 8]."""
-    cutoff: Annotated[tuple[float, ...], _OfDesign] = _BY_ROBOT
+    cutoff: Annotated[tuple[float, ...], SOME] = _BY_ROBOT
     """Cutoff of Q [Hz] [default: 10; of the tool 13 to 20]. One for all motors or six [default with
     --robot irb1400 --measure motor: 20; where the tool's path is learned from 13, four times a
     contour's turns a second if that is more, up to 15, and the arm's lowest identified mode if that

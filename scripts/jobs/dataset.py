@@ -177,7 +177,6 @@ def noted(rows: Dataset, keys: Collection[str]) -> tuple[int, str]:
 
 
 def _arrow(hint: Any) -> pa.DataType:
-    """The column type of an option."""
     origin, inner = get_origin(hint), get_args(hint)
     if origin is Annotated:
         return _arrow(inner[0])

@@ -49,11 +49,6 @@ class Point:
     """Options, typed; those left out have their defaults."""
     seed: int
 
-    @property
-    def cost(self) -> float:
-        """Equal: a grid is run in its order."""
-        return 1.0
-
     def run(self) -> Row:
         """The row of its run. An exception becomes the row of a failure."""
         try:
@@ -137,7 +132,6 @@ def parse(words: Sequence[str], seed: int) -> Grid:
 
 
 def _values(name: str, text: str) -> dict[Any, str]:
-    """The values of an axis, each with how it was written."""
     hint = _when_given(TYPES[name])
     numbers = {int, float} & {hint, *get_args(hint)}
     words = text.split(",")
@@ -179,7 +173,6 @@ def _value(name: str, word: str) -> Any:
 
 
 def _when_given(hint: Any) -> Any:
-    """The type of an option's value, None apart."""
     parts = [part for part in get_args(hint) if part is not NoneType]
     return parts[0] if NoneType in get_args(hint) else hint
 

@@ -21,11 +21,6 @@ KNOWN, KNOWN_FAILED = "known", "known (failed)"
 class Job(Protocol):
     """A frozen dataclass that can run itself, in any process."""
 
-    @property
-    def cost(self) -> float:
-        """Relative; for the order of jobs and the time left."""
-        ...
-
     def run(self) -> Any:
         """Its result: arrays for a `Store`, a row for a sweep."""
 

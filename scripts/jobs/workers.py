@@ -163,7 +163,6 @@ def _fill(
 
 
 def _outcome(future: Future[Any]) -> Any:
-    """Result of a task, or the exception that it raised."""
     try:
         return future.result()
     except Exception as error:

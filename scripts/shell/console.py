@@ -195,7 +195,6 @@ def _wrapped(name: str, values: Sequence[Any]) -> str:
 def _table(
     title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]], shown: Sequence[int]
 ) -> Table:
-    """Text columns to the left, numbers to the right."""
     table = Table(title=Text(title) if title else None, title_justify="left", title_style="bold")
     for index in shown:
         numeric = all(not isinstance(row[index], str) for row in rows)

@@ -20,6 +20,9 @@ from .help import COMMON
 
 options = Parameter(name="*")
 """Decorator: the fields of a dataclass become options of the command itself."""
+SEVERAL = Parameter(consume_multiple=True)
+SOME = Parameter(consume_multiple=True, show_default=False)
+"""Of an option with several values; of one whose default is none, or follows from others."""
 
 
 def _leaves(value: Any) -> Iterator[Any]:

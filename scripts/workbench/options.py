@@ -6,7 +6,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..shell.options import FileToRead, Limits, check_limits, options
+from ..shell.options import SEVERAL, FileToRead, Limits, check_limits, options
 
 SAMPLE_TIME = Limits(1e-9, 1e6, "s")
 LIMITS = {
@@ -31,7 +31,7 @@ class LearnCfg:
     speaks ABB's or KUKA's protocol to this port), a model's file (JSON, MAT), file.py:Name (a
     System, a model of control, or an object with run(correction)), or a folder that a person
     exchanges files in."""
-    laws: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = ("heuristic",)
+    laws: Annotated[tuple[str, ...], SEVERAL] = ("heuristic",)
     """Laws to compare, each NAME, NAME:key=value,key=value or file.py:Name. Names: heuristic,
     d-type, gradient, inverse, norm-optimal, constrained, adaptive, high-order, periodic,
     disturbance-observer, model-free, splines, knob-free, basis, rational, point-to-point, kalman,
@@ -47,7 +47,7 @@ class LearnCfg:
     """[s], where the plant does not state it."""
     model: FileToRead = None
     """Model that laws and prediction assume, JSON or MAT [default: that of the plant]."""
-    noise: Annotated[tuple[float, ...], Parameter(consume_multiple=True)] = (0.0,)
+    noise: Annotated[tuple[float, ...], SEVERAL] = (0.0,)
     """Standard deviations of white noise on the measured output, each a comparison."""
     repeats: int = 1
     """Repetitions with other noise; the table shows the mean."""

@@ -24,10 +24,6 @@ class Quick:
     def key(self) -> str:
         return self.point.key
 
-    @property
-    def cost(self) -> float:
-        return 1.0
-
     def run(self) -> dict[str, Any]:
         return self.failed(RuntimeError()) | {"status": "done", "error": None}
 
