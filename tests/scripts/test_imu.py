@@ -112,16 +112,10 @@ def test_the_other_motions_leave_their_figures(motion, tmp_path):
         ),
     ],
 )
-def test_a_bad_program_is_bad_input(text, words, tmp_path, capsys):
+def test_a_bad_program_is_bad_input(text, words, tmp_path, bad_input):
     """Unknown instruction, out of reach, zero speed, the linkage's range, a joint limit, a line."""
-    program, out = tmp_path / "bad.toml", tmp_path / "out"
-    program.write_text(text)
-    assert main(["imu", "--program", str(program), "--out", str(out)]) == 2
-    complaint = capsys.readouterr().err
-    assert complaint.count("\n") == 1
-    assert "bad.toml" in complaint
-    assert words in complaint
-    assert not out.exists()
+    (tmp_path / "bad.toml").write_text(text)
+    assert "bad.toml" in bad_input("imu --program bad.toml --out out", words)
 
 
 def test_the_unit_is_that_of_its_options_and_by_default_of_the_configuration():
