@@ -159,11 +159,6 @@ def test_bad_input_is_one_line_and_status_2_and_nothing_is_written(bad_input, tm
     assert (full / "file").read_text() == "kept"
 
 
-def test_bad_input_also_ends_a_process_with_status_2(armside_process):
-    status, out, err = armside_process("probe --radius nan")
-    assert (status, out, err.count("\n")) == (2, "", 1)
-
-
 def test_a_current_folder_is_not_replaced_even_if_empty(armside):
     status, _, err = armside("probe --out .")
     assert status == 2
@@ -195,13 +190,6 @@ def test_a_diverged_run_keeps_its_folder_and_ends_with_status_1(armside, tmp_pat
     status, _, err = armside("probe --end diverged --out kept")
     assert (status, err) == (1, "armside: diverged at k = 3\n")
     assert (tmp_path / "kept" / "summary.json").exists()
-
-
-def test_an_interrupted_run_says_so_and_leaves_nothing(armside_process, tmp_path):
-    status, out, err = armside_process("probe --end interrupted")
-    assert (status, out) == (130, "")
-    assert err == "armside: interrupted, nothing was kept\n"
-    assert [path.name for path in tmp_path.rglob("*")] == ["runs"]
 
 
 @pytest.mark.parametrize("option", ["", " --out wanted"])
