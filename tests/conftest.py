@@ -40,7 +40,14 @@ WHOLE = bool(os.environ.get("ARMSIDE_CI"))
 """In CI what is slow runs as it stands; else, with the same claims, a small form of it."""
 TWIN_OF = "2001"
 """Individual whose twin is shared by the tests."""
-OF_PICTURES = ("test_figures", "test_chapter", "test_gallery", "test_svg", "scripts/test_learn.py")
+OF_PICTURES = (
+    "test_figures",
+    "test_chapter",
+    "test_gallery",
+    "test_svg",
+    "test_learn.py",
+    "still_draws",
+)
 """Parts of the names of the tests that look at what is drawn; elsewhere pictures are blank."""
 
 SLOWEST = (

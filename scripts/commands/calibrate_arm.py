@@ -2,9 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
-
-from cyclopts import Parameter
+from typing import Annotated
 
 from armside.kinematics.calibration import CalibrationCfg, JointErrors, Priors
 from armside.sim.records.summary import summary
@@ -13,11 +11,16 @@ from armside.sim.robot_file.find import load_robot
 from ..shell.bag_options import BagCfg
 from ..shell.console import Report, run_folder
 from ..shell.errors import RunFailed, checking_input, one_line
-from ..shell.options import Common, options
+from ..shell.options import SOME, Common, Limits, check_limits, options
 
 MM = 1e-3
-LARGEST_PRIOR = 1e4
-"""[mm] and [mrad]: ten metres and ten radians say nothing of an arm."""
+LIMITS = {
+    "harmonics": Limits(0, 200),
+    "prior_length": Limits(0.0, 1e4, "mm", above=True),
+    "prior_angle": Limits(0.0, 1e4, "mrad", above=True),
+    "next": Limits(0, 100),
+}
+"""Ten metres and ten radians say nothing of an arm."""
 
 
 @options
@@ -34,9 +37,7 @@ class CalibrateArmCfg(BagCfg):
     """Number of poses that are fitted, in place of the fraction."""
     in_order: bool = False
     """Fit the first poses and judge on the last [default: at random by --seed]."""
-    parameters: Annotated[
-        tuple[str, ...], Parameter(consume_multiple=True, show_default=False)
-    ] = ()
+    parameters: Annotated[tuple[str, ...], SOME] = ()
     """Errors of links to fit, such as theta_2 a_2 beta_2 [default: all that can be identified]."""
     harmonics: int | None = None
     """Order of the harmonics of each joint's error [default: chosen on a part of the fitted]."""
@@ -53,16 +54,9 @@ class CalibrateArmCfg(BagCfg):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.harmonics is not None and not 0 <= self.harmonics <= 200:
-            raise ValueError(f"harmonics must be from 0 to 200, got {self.harmonics}")
+        check_limits(self, LIMITS)
         if self.compliance and self.harmonics is None:
             raise ValueError("compliance needs --harmonics (0 for none)")
-        for name in ("prior_length", "prior_angle"):
-            if not 0.0 < getattr(self, name) <= LARGEST_PRIOR:
-                said = f"{name} must be > 0 and <= {LARGEST_PRIOR:g}"
-                raise ValueError(f"{said}, got {getattr(self, name):g}")
-        if not 0 <= self.next <= 100:
-            raise ValueError(f"next must be from 0 to 100, got {self.next}")
 
     def configuration(self) -> CalibrationCfg:
         """Configuration in SI. Raises ValueError for what is not allowed."""
@@ -99,19 +93,14 @@ def calibrate_arm(data: Path, /, *, cfg: CalibrateArmCfg, common: Common = Commo
     with checking_input():
         arm, source = load_robot(cfg.robot).arm, read_poses(data, cfg.topics())
         prepared = prepare(arm, source.measurements, cfg.configuration(), seed=common.seed)
-    with report.progress("calibrating", total=1) as step:
-        try:
-            done = fit_prepared(prepared)
-        except (ValueError, ArithmeticError) as error:
-            raise RunFailed(f"the fit failed: {one_line(error)}") from error
-        step()
-    found: dict[str, Any] = shown.results(done)
-    outcome = summary(
-        "calibrate-arm", cfg, common, data=data, form=source.form, notes=source.notes, **found
-    )
+    try:
+        (done,) = report.each("calibrating", fit_prepared, [prepared])
+    except (ValueError, ArithmeticError) as error:
+        raise RunFailed(f"the fit failed: {one_line(error)}") from error
+    found = {"form": source.form, "notes": source.notes} | shown.results(done)
+    outcome = summary("calibrate-arm", cfg, common, data=data, **found)
     with run_folder(outcome, common) as folder:
         shown.write(folder, done, arm, cfg.next, common.seed)
-    for note in source.notes:
-        report.line(note)
+    report.lines(source.notes)
     shown.tables(report, outcome)
     report.results(outcome, folder.path)

@@ -6,15 +6,14 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from cyclopts import Parameter
 
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.results import pass_notes
 from armside.sim.motion.tool_motion import motion_notes
 from armside.sim.notes import Note, Tally, counted
-from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
-from armside.sim.records.summary import dumps, summary
+from armside.sim.records.run_folder import RUNS, check_writable
+from armside.sim.records.summary import summary
 from armside.sim.twin import commission as commissioning
 from armside.sim.twin.commission import SENSORS, CommissionedTwin
 from armside.sim.twin.identification import Identification
@@ -30,12 +29,10 @@ from armside.sim.twin.recordings import (
 from armside.sim.twin.simulation import design_of
 from armside.sim.twin.tool_sensor import ResidualScale
 
-from ..cutting.options import LARGEST, IndividualCfg, robot_state
-from ..shell.console import Report
+from ..cutting.options import OF_ROBOT, IndividualCfg, robot_state
+from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input
-from ..shell.options import Common, options
-
-_SEVERAL = Parameter(consume_multiple=True)
+from ..shell.options import SEVERAL, Common, Limits, check_limits, options
 
 
 @options
@@ -51,24 +48,17 @@ class CommissionCfg(IndividualCfg):
     """Sensor at the tool: a laser tracker, or an IMU that stays on the robot."""
     payload: float | None = None
     """Mass of the tool [kg] [default: as in the model]."""
-    recordings: Annotated[tuple[Path, ...], _SEVERAL] = ()
+    recordings: Annotated[tuple[Path, ...], SEVERAL] = ()
     """Runs to commission from, in place of cuts by the virtual robot: folders of `armside laser`,
     or tables of recorded data."""
-    leave_out: Annotated[tuple[str, ...], _SEVERAL] = ()
+    leave_out: Annotated[tuple[str, ...], SEVERAL] = ()
     """Names of cuts to leave out."""
     choose: bool = False
     """Only choose the plan anew, and print what each cut adds."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not 1 <= self.cuts <= MOST:
-            raise ValueError(f"cuts must be from 1 to {MOST}, got {self.cuts}")
-        if self.payload is not None and not (np.isfinite(self.payload) and self.payload >= 0.0):
-            raise ValueError(f"payload must be >= 0 kg, got {self.payload:g}")
-        heaviest, unit = LARGEST["payload"]
-        if self.payload is not None and self.payload > heaviest:
-            most = f"at most {heaviest:g} {unit}"
-            raise ValueError(f"payload must be {most}, got {self.payload:g}")
+        check_limits(self, {"cuts": Limits(1, MOST), "payload": OF_ROBOT["payload"]})
         if self.recordings and self.individual is not None:
             raise ValueError("recordings are of a robot of their own: leave out --individual")
 
@@ -96,8 +86,7 @@ def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common(
             recorded, robot=cfg.robot, payload=cfg.payload, measure=cfg.measure, progress=step
         )
     outcome = summary("commission", cfg, common, notes=notes, **_results(found))
-    with RunFolder("commission", seed=common.seed, out=common.out) as folder:
-        (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
+    with run_folder(outcome, common) as folder:
         found.twin.save((folder / "summary.json").parent)
         figures.friction(folder / "friction.png", found, recorded)
         figures.residuals(folder / "residuals.png", found, recorded)
@@ -152,7 +141,6 @@ def named(recordings: Sequence[Path]) -> dict[str, Path]:
 
 
 def _read(cfg: CommissionCfg, names: list[str]) -> tuple[list[MeasuredCut], list[Note]]:
-    """Recordings with these names, and their notes."""
     chosen = {name: path for name, path in named(cfg.recordings).items() if name in names}
     cuts = [replace(read_cut(path, cfg.measure), name=name) for name, path in chosen.items()]
     return cuts, counted((notes_of_first_run(path) for path in chosen.values()), "cuts")
@@ -161,7 +149,6 @@ def _read(cfg: CommissionCfg, names: list[str]) -> tuple[list[MeasuredCut], list
 def _cut(
     cfg: CommissionCfg, names: list[str], seed: int, report: Report
 ) -> tuple[list[MeasuredCut], list[Note]]:
-    """Cuts of the plan with these names, by the virtual robot, and their notes."""
     cuts, tally = [], Tally()
     with report.progress("cutting", total=len(names)) as step:
         for i, planned in enumerate(plan(cfg.cuts)):
@@ -180,30 +167,19 @@ def _cut(
 
 def _results(found: CommissionedTwin) -> dict[str, Any]:
     parameters, identified = found.twin.parameters, found.identified
-    quality, of = identified.quality, (found.twin.parameters, identified.covariance)
+    quality, names = identified.quality, parameters.names
+    deviation = standard_deviation(parameters, identified.covariance)
+    known = is_identified(parameters, identified.covariance)
+    values = zip(names, identified.theta, deviation, parameters.standard_deviation, strict=True)
+    cuts = zip(found.twin.names, quality.held_out, quality.within, strict=True)
     return {
-        "cuts": [
-            {"name": name, "held_out": out, "within": within}
-            for name, out, within in zip(
-                found.twin.names, quality.held_out, quality.within, strict=True
-            )
-        ],
+        "cuts": [{"name": n, "held_out": out, "within": within} for n, out, within in cuts],
         "torque_residual": found.twin.torque_residual,
         "parameters": [
             {"name": name, "value": value, "standard_deviation": s, "prior": p}
-            for name, value, s, p in zip(
-                parameters.names,
-                identified.theta,
-                standard_deviation(*of),
-                parameters.standard_deviation,
-                strict=True,
-            )
+            for name, value, s, p in values
         ],
-        "not_identified": [
-            name
-            for name, known in zip(parameters.names, is_identified(*of), strict=True)
-            if not known
-        ],
+        "not_identified": [n for n, is_known in zip(names, known, strict=True) if not is_known],
     }
 
 

@@ -13,7 +13,6 @@ from armside.sim.laser.learning import Start, iterate
 from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.results import notes
 from armside.sim.notes import Cause, Note, together
-from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
 from armside.sim.twin.twin import stored_twin
 
@@ -24,7 +23,7 @@ from ..cutting.comparison import (
     save_states_of,
     starts_of,
 )
-from ..cutting.earlier import FromCfg, earlier
+from ..cutting.earlier import FromCfg, started
 from ..cutting.learning import Ready
 from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input
@@ -43,11 +42,9 @@ def compare(
 
     from ..figures import comparison as figures
 
-    report, before = Report(common), None
+    report = Report(common)
     with checking_input():
-        check_writable(common.out or RUNS / "compare")
-        if of.start is not None:
-            cfg, common, before = earlier(of.start, "compare", cfg, common)
+        cfg, common, before = started(of.start, "compare", cfg, common)
         todo = cases_of(cfg, common.seed)
         refuse_absurd_comparison(cfg, len(todo))
         starts = [{} if before is None else starts_of(before, *each) for each in enumerate(todo)]
@@ -57,21 +54,20 @@ def compare(
             stored_twin(cfg.twin).check(todo[0].cut)
     law, error = replace(COMPARED.law, kind=ToolLawKind(cfg.law)), cfg.stiffness_error * 1e-2
     measure = replace(COMPARED, law=law, stiffness_error=error)
-    found: list[dict[str, list[Iteration]]] = []
-    with report.progress("comparing", total=len(todo)) as step:
-        for case, start in zip(todo, starts, strict=True):
-            learned = compared(case, cfg.iterations, measure, start)
-            if cfg.twin is not None:
-                learned["twin"] = _by_twin(case, cfg.twin, cfg.iterations, start.get("twin"))
-            found.append(learned)
-            step()
+
+    def learned(job: tuple[Case, dict[str, Start]]) -> dict[str, list[Iteration]]:
+        case, start = job
+        ways = compared(case, cfg.iterations, measure, start)
+        if cfg.twin is not None:
+            ways["twin"] = _by_twin(case, cfg.twin, cfg.iterations, start.get("twin"))
+        return ways
+
+    found = report.each("comparing", learned, list(zip(todo, starts, strict=True)))
     rows = [row for case, each in zip(todo, found, strict=True) for row in _rows(case, each)]
     said = together(_notes(todo, found))
     counted = [each.k for each in max((m for of in found for m in of.values()), key=len)]
-    started = None if before is None else before.entry
-    outcome = summary(
-        "compare", cfg, common, comparisons=rows, k=counted, notes=said, started_from=started
-    )
+    about = {"notes": said, "started_from": None if before is None else before.entry}
+    outcome = summary("compare", cfg, common, comparisons=rows, k=counted, **about)
     with run_folder(outcome, common) as folder:
         save_states_of(folder, found)
         figures.learned(folder / "compare.png", todo, found)
@@ -94,7 +90,6 @@ def _by_twin(case: Case, folder: Path, iterations: int, before: Start | None) ->
 
 
 def _notes(todo: list[Case], found: list[dict[str, list[Iteration]]]) -> Iterator[Note]:
-    """Notes of every cut, with its place and what it was learned from."""
     for case, of in zip(todo, found, strict=True):
         experiment, limit = case.experiment(), f"{case.cut.limits.acceleration:g} m/s^2"
         place = f"{case.cut.pose}, {1e3 * case.cut.speed:g} mm/s, {limit}"

@@ -1,6 +1,5 @@
 """`armside convert`: a run's signals, or a recording of a real arm, for other tools."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -50,33 +49,45 @@ def convert(source: Path, /, *, cfg: ConvertCfg = ConvertCfg(), common: Common =
     from armside.sim.recordings.logs.read import SUFFIXES as LOGS
 
     report = Report(common)
-    if source.is_file() and source.suffix.lower() in LOGS:
-        return _log(source, cfg, common, report)
-    if cfg.columns is not None:
+    is_log = source.is_file() and source.suffix.lower() in LOGS
+    if cfg.columns is not None and not is_log:
         raise InputError(f"{source} is no log of a controller: --columns is of those")
-    if not (source / "summary.json").exists() and is_motion(source):
-        return _recording(source, cfg, common, report)
-    _run(source, cfg, common, report)
+    if is_log or (source / "summary.json").exists() or not is_motion(source):
+        found, written = _table(source, cfg, is_log=is_log)
+    else:
+        found, written = _recording(source, cfg)
+    outcome = summary("convert", cfg, common, source=source, **found)
+    keep(outcome, common)
+    report.lines([*found.get("notes", ()), written])
+    report.summary(outcome)
 
 
-def _run(run: Path, cfg: ConvertCfg, common: Common, report: Report) -> None:
+def _table(source: Path, cfg: ConvertCfg, *, is_log: bool) -> tuple[dict[str, Any], str]:
+    from armside.sim.recordings.logs import read_log
     from armside.sim.records.tables import read_table, write_table
 
     if cfg.topics().named:
-        raise InputError("topics and joints are chosen in bags, not in runs")
-    stored = read_run(run)
-    file = cfg.file or run / f"signals.{cfg.to}"
-    _check_target(file, cfg.to)
-    source = stored.file("signals.parquet")
+        raise InputError(
+            f"topics and joints are chosen in bags, not in {'logs' if is_log else 'runs'}"
+        )
+    run = None if is_log else read_run(source)
+    beside = source.with_name(f"{source.stem}-signals.{cfg.to}")
+    file = cfg.file or (beside if is_log else source / f"signals.{cfg.to}")
+    check_file_to_write(file)
+    if file.suffix.lower() not in SUFFIXES[cfg.to]:
+        raise InputError(f"{cfg.to} files end with {' or '.join(SUFFIXES[cfg.to])}: {file.name}")
     with checking_input():
-        table = read_table(source)
+        if run is None:
+            log = read_log(source, cfg.columns)
+            table, about = log.table, {"form": log.form, "notes": list(log.notes)}
+        else:
+            table, about = read_table(run.file("signals.parquet")), {}
     write_table(file, table)
-    outcome = summary("convert", cfg, common, source=run, file=file, rows=table.num_rows)
-    _tell(outcome, (), f"{table.num_rows} rows of {table.num_columns} columns in {file}", report)
+    written = f"{table.num_rows} rows of {table.num_columns} columns in {file}"
+    return {"file": file, "rows": table.num_rows} | about, written
 
 
-def _recording(source: Path, cfg: ConvertCfg, common: Common, report: Report) -> None:
-    """A recording in motion: a folder of tables, or a bag."""
+def _recording(source: Path, cfg: ConvertCfg) -> tuple[dict[str, Any], str]:
     from armside.sim.recordings import read_motion
     from armside.sim.recordings.bags.write import write_bag
     from armside.sim.recordings.tables import write_motion_tables
@@ -101,41 +112,6 @@ def _recording(source: Path, cfg: ConvertCfg, common: Common, report: Report) ->
         for name in ("encoders", "imu", "tracker")
         if (stream := getattr(recording, name)) is not None
     }
-    notes = list(recording.notes)
-    found = {"source": source, "folder": folder, "samples": samples, "notes": notes}
-    outcome = summary("convert", cfg, common, form=recording.form, **found)
+    found = {"folder": folder, "samples": samples, "form": recording.form}
     written = ", ".join(f"{n} of {name}" for name, n in samples.items())
-    _tell(outcome, notes, f"{written} in {folder}", report)
-
-
-def _log(file: Path, cfg: ConvertCfg, common: Common, report: Report) -> None:
-    """A controller's log."""
-    from armside.sim.recordings.logs import read_log
-    from armside.sim.records.tables import write_table
-
-    if cfg.topics().named:
-        raise InputError("topics and joints are chosen in bags, not in logs")
-    target = cfg.file or file.with_name(f"{file.stem}-signals.{cfg.to}")
-    _check_target(target, cfg.to)
-    with checking_input():
-        log = read_log(file, cfg.columns)
-    write_table(target, log.table)
-    rows, notes = log.table.num_rows, list(log.notes)
-    found = {"source": file, "file": target, "rows": rows, "notes": notes}
-    outcome = summary("convert", cfg, common, form=log.form, **found)
-    _tell(outcome, notes, f"{rows} rows of {log.table.num_columns} columns in {target}", report)
-
-
-def _tell(outcome: dict[str, Any], notes: Iterable[str], written: str, report: Report) -> None:
-    keep(outcome, report.common)
-    for note in notes:
-        report.line(note)
-    report.line(written)
-    report.summary(outcome)
-
-
-def _check_target(file: Path, kind: str) -> None:
-    """Raise InputError for a file that cannot be written, or is of another kind."""
-    check_file_to_write(file)
-    if file.suffix.lower() not in SUFFIXES[kind]:
-        raise InputError(f"{kind} files end with {' or '.join(SUFFIXES[kind])}: {file.name}")
+    return found | {"notes": list(recording.notes)}, f"{written} in {folder}"

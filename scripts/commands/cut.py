@@ -6,13 +6,14 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from armside.sim.laser.experiment import Iteration
+from armside.sim.laser.learning import measure_of
 from armside.sim.laser.results import results
-from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
+from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.summary import dumps, summary
 
-from ..cutting.earlier import FromCfg, earlier, save_state
+from ..cutting.earlier import FromCfg, save_state, started
 from ..cutting.learning import fail_unless_done, ready
-from ..cutting.part_options import CutCfg, drawing, measure, part_cut
+from ..cutting.part_options import CutCfg, drawing, part_cut
 from ..figures.part_results import show_plan, show_results, write_plan, write_results
 from ..shell.console import Report
 from ..shell.errors import checking_input
@@ -34,16 +35,14 @@ def cut(
     Writes summary.json, plan.png and, unless --plan-only, part.png, errors.png, signals.parquet of
     the first and last run, replay.rrd and state.npz (for --from, which needs no drawing).
     """
-    report, before, made = Report(common), None, None
+    report, made = Report(common), None
     with checking_input():
-        check_writable(common.out or RUNS / "cut")
-        if of.start is not None:
-            cfg, common, before = earlier(of.start, "cut", cfg, common)
+        cfg, common, before = started(of.start, "cut", cfg, common)
         part = drawing(part, before)
         what = part_cut(part, cfg)
         plan = what.plan
         if not cfg.plan_only:
-            made = ready(what, measure(cfg), common.seed, before)
+            made = ready(what, measure_of(cfg.measure), common.seed, before)
     show_plan(report, plan)
     about: dict[str, Any] = {"part": part}
     if made is not None:

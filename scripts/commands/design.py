@@ -9,7 +9,7 @@ from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input
-from ..shell.options import Common, options
+from ..shell.options import Common, Limits, options
 
 if TYPE_CHECKING:
     from armside.ilc.models.system import System
@@ -37,10 +37,8 @@ class DesignCfg:
     """Fraction of the admissible gain that is used; the rest is margin."""
 
     def __post_init__(self) -> None:
-        if not self.cutoff > 0.0:
-            raise ValueError(f"cutoff must be > 0 Hz, got {self.cutoff:g}")
-        if not 0.0 < self.share < 1.0:
-            raise ValueError(f"share must be in (0, 1), got {self.share:g}")
+        Limits(0.0, unit="Hz", above=True).check("cutoff", self.cutoff)
+        Limits(0.0, 1.0, above=True, below=True).check("share", self.share)
 
 
 def load(name: str) -> "System":

@@ -19,9 +19,9 @@ from armside.sim.records.summary import summary
 from armside.sim.records.tables import write_table
 from armside.sim.robot_file.find import find_cell, load_robot
 
-from ..shell.console import Report, keep, run_folder
+from ..shell.console import Report, keep
 from ..shell.errors import InputError, checking_input, needs
-from ..shell.options import Common, FileToWrite, options
+from ..shell.options import Common, FileToWrite, Limits, options
 
 if TYPE_CHECKING:
     from armside.arrays import Array
@@ -66,8 +66,7 @@ class ExportCfg:
     """Of a run of learn with several laws: the law."""
 
     def __post_init__(self) -> None:
-        if self.rate is not None and not RATES[0] <= self.rate <= RATES[1]:
-            raise ValueError(f"rate must be {RATES[0]:g} to {RATES[1]:g} Hz, got {self.rate:g}")
+        Limits(*RATES, "Hz").check("rate", self.rate)
 
     def of_robot(self) -> "ExportCfg":
         """With the defaults for a robot. Raises ValueError for options of a run."""
@@ -97,7 +96,6 @@ class ExportCfg:
 def _check(
     cfg: ExportCfg, what: tuple[str, ...], to: tuple[str, ...], of: str, advice: str
 ) -> None:
-    """Raise ValueError for a choice that is not of a robot, or not of a run."""
     for name, given, allowed in (("what", cfg.what, what), ("to", cfg.to, to)):
         if given not in allowed:
             text = f"--{name} of {of} is {', '.join(allowed)}, got {given}"
@@ -130,18 +128,13 @@ def _export_robot(report: Report, cfg: ExportCfg, common: Common) -> None:
         cfg = cfg.of_robot()
         files, operations = _files(cfg)
     outcome = summary("export", cfg, common, files=sorted(files), operations=operations)
-    with run_folder(outcome, common) as folder:
-        for name, text in files.items():
-            (folder / name).write_text(text, encoding="utf-8")
-    for name in files:
-        report.line(str(folder.path / name))
+    report.texts(files, outcome)
     if operations is not None:
         report.line(f"{operations} operations after sharing")
     report.summary(outcome)
 
 
 def _files(cfg: ExportCfg) -> tuple[dict[str, str], int | None]:
-    """Name and text of each file, and the number of operations of the code."""
     named, what = str(cfg.robot), str(cfg.what)
     word = Path(named.partition("#")[0]).stem
     if cfg.to in ("urdf", "mjcf"):
@@ -157,7 +150,6 @@ def _files(cfg: ExportCfg) -> tuple[dict[str, str], int | None]:
 
 
 def _robot(named: str, word: str, to: str) -> dict[str, str]:
-    """The robot itself, with the masses that its source has."""
     from armside.kinematics.codegen.robot_xml import mjcf, urdf
 
     arm, bodies, notes = load_robot(named, masses=True)
@@ -176,18 +168,9 @@ def _export_correction(report: Report, run: Path, cfg: ExportCfg, common: Common
         rate = cfg.rate or (CYCLE if cfg.to in FORM_OF else 1.0 / stored.sample_time)
         joints = correction_export.joint_values(stored, cast(Form, cfg.what), rate)
         names = _write(file, cfg, stored, joints, rate)
-    outcome = summary(
-        "export",
-        cfg,
-        common,
-        run=run,
-        written=file,
-        largest=float(np.abs(stored.correction).max()),
-        k=stored.k,
-        law=stored.law,
-        rate=rate,
-        samples=len(joints),
-    )
+    found = {"run": run, "written": file, "largest": float(np.abs(stored.correction).max())}
+    found |= {"k": stored.k, "law": stored.law, "rate": rate, "samples": len(joints)}
+    outcome = summary("export", cfg, common, **found)
     keep(outcome, common)
     report.line(f"{file}: {len(joints)} samples of {names} at {rate:g} Hz, k = {stored.k}")
     report.summary(outcome)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from armside.kinematics import CATALOGUE, Arm
 from armside.sim.cell import CELLS
@@ -16,7 +16,7 @@ from ..cutting.options import IndividualCfg, robot_state
 from ..shell.bag_options import BAG_FIELDS, BagCfg
 from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input
-from ..shell.options import Common, options
+from ..shell.options import Common, Limits, options
 
 if TYPE_CHECKING:
     from armside.sim.gears import GearsCfg
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
 LARGEST_NUMBER = 20
 """Recordings of one command."""
-MOST_RUNS = 10
 
 
 @options
@@ -56,8 +55,7 @@ class GearsOptions(IndividualCfg, BagCfg):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.runs is not None and not 1 <= self.runs <= MOST_RUNS:
-            raise ValueError(f"runs must be 1 to {MOST_RUNS}, got {self.runs}")
+        Limits(1, 10).check("runs", self.runs)
         self.configuration(virtual=False)
 
     def configuration(self, *, virtual: bool) -> "GearsCfg":
@@ -99,12 +97,10 @@ def gears(*data: Path, cfg: GearsOptions, common: Common = Common()) -> None:
             done = analyse_gears(arm, recordings, cfg.configuration(virtual=not data), step)
     notes = [f"{one.name}: {note}" for one in recordings for note in one.notes]
     notes += coverage_notes(done)
-    found: dict[str, Any] = shown.results(done)
-    outcome = summary("gears", cfg, common, data=list(data), notes=notes, **found)
+    outcome = summary("gears", cfg, common, data=data, notes=notes, **shown.results(done))
     with run_folder(outcome, common) as folder:
         shown.write(folder, done, arm)
-    for note in notes:
-        report.line(note)
+    report.lines(notes)
     shown.tables(report, outcome)
     shown.bands_table(report, done)
     report.results(outcome, folder.path)
@@ -113,7 +109,6 @@ def gears(*data: Path, cfg: GearsOptions, common: Common = Common()) -> None:
 def _recordings(
     data: Sequence[Path], cfg: GearsOptions, seed: int, report: Report
 ) -> "tuple[Arm, list[MotionRecording]]":
-    """The arm, and its recordings: given, or made by a virtual robot."""
     from armside.sim.recordings import read_motion
 
     if len(data) > LARGEST_NUMBER:
@@ -132,10 +127,6 @@ def _recordings(
     cell = find_cell(cfg.robot)
     pose = cfg.pose or [*cell.poses, "p1"][1]
     setup = Cut(robot=cfg.robot, pose=pose, imu=ImuCfg(), **robot_state(cfg))
-    made: list[MotionRecording] = []
-    runs = RUNS if cfg.runs is None else cfg.runs
-    with report.progress("running", total=runs) as step:
-        for run in range(runs):
-            made.append(recorded(setup, seed, run))
-            step()
+    runs = range(RUNS if cfg.runs is None else cfg.runs)
+    made = report.each("running", lambda run: recorded(setup, seed, run), runs)
     return Arm(cell.robot, cell.limits), made

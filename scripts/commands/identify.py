@@ -35,9 +35,7 @@ def identify(*, cfg: IdentifyCfg = IdentifyCfg(), common: Common = Common()) -> 
         experiment = prepare(cut_with_imu(cfg), seed=common.seed)
         measure = ToolPath(stiffness_error=cfg.stiffness_error * 1e-2, structure=not cfg.uncoupled)
         arm = measure.assumed(experiment)
-    with report.progress("identifying", total=1) as step:
-        found = identified(experiment, arm)
-        step()
+    (found,) = report.each("identifying", lambda known: identified(experiment, known), [arm])
     outcome = summary("identify", cfg, common, **found)
     with run_folder(outcome, common) as folder:
         pass

@@ -2,22 +2,34 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
-
-from cyclopts import Parameter
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder
 from ..shell.effort import Effort, refuse_absurd
 from ..shell.errors import checking_input
-from ..shell.options import Common, FileToRead, options
+from ..shell.options import SEVERAL, Common, FileToRead, Limits, check_limits, options
+from ..workbench.options import SAMPLE_TIME
 
 if TYPE_CHECKING:
     from armside.ilc.workbench.input_output import InputOutput
 
+StructureName = Literal["arx", "armax", "oe", "bj", "subspace"]
 SECONDS = 3e-5
 """[s] for each sample, structure and square of the largest order, rounded up."""
+LIMITS = {
+    "column": Limits(1, 100),
+    "periods": Limits(3, 1000),
+    "inputs": Limits(1, 20),
+    "largest_order": Limits(1, 14),
+    "largest_delay": Limits(0, 100),
+    "band_fits": Limits(0, 1000),
+    "rms": Limits(0.0, 1e100, above=True),
+    "highest": Limits(0.0, 1e9, "Hz", above=True),
+    "sample_time": SAMPLE_TIME,
+    "period": Limits(4, unit="samples"),
+}
 
 
 @options
@@ -46,10 +58,7 @@ class IdentifyPlantCfg:
     """Samples of one period of a record with one periodic input: a frequency response too."""
     from_rest: bool = False
     """The record starts at rest at zero: means are not subtracted."""
-    structures: Annotated[
-        tuple[Literal["arx", "armax", "oe", "bj", "subspace"], ...],
-        Parameter(consume_multiple=True),
-    ] = ("arx", "armax", "oe", "bj", "subspace")
+    structures: Annotated[tuple[StructureName, ...], SEVERAL] = get_args(StructureName)
     """Structures to compare: oe is output error, bj is Box-Jenkins. Records with several inputs or
     outputs are for subspace alone."""
     largest_order: int = 4
@@ -62,22 +71,9 @@ class IdentifyPlantCfg:
     """Repeated fits behind the band of a subspace model in the figure; 0 draws no band."""
 
     def __post_init__(self) -> None:
-        ranges = {"column": (1, 100), "periods": (3, 1000), "inputs": (1, 20)}
-        ranges |= {"largest_order": (1, 14), "largest_delay": (0, 100)}
-        ranges |= {"band_fits": (0, 1000)}
-        for name, (low, high) in ranges.items():
-            if not low <= (value := getattr(self, name)) <= high:
-                raise ValueError(f"{name} must be {low} to {high}, got {value}")
-        if self.rms is not None and not 0.0 < self.rms <= 1e100:
-            raise ValueError(f"rms must be above 0 and at most 1e100, got {self.rms:g}")
-        if self.highest is not None and not 0.0 < self.highest <= 1e9:
-            raise ValueError(f"highest must be above 0 and at most 1e9 Hz, got {self.highest:g}")
-        if self.sample_time is not None and not 1e-9 <= self.sample_time <= 1e6:
-            raise ValueError(f"sample_time must be 1e-9 to 1e6 s, got {self.sample_time:g}")
+        check_limits(self, LIMITS)
         if self.band_fits == 1:
-            raise ValueError("band_fits must be 0 or at least 2, got 1")
-        if self.period is not None and self.period < 4:
-            raise ValueError(f"period must be at least 4 samples, got {self.period}")
+            raise ValueError("band-fits must be 0 or at least 2, got 1")
         if not self.structures or len(set(self.structures)) < len(self.structures):
             raise ValueError("at least one structure is needed, each given once")
 
@@ -132,7 +128,6 @@ def identify_plant(
 
 
 def _record(file: Path | None, cfg: IdentifyPlantCfg, common: Common) -> "InputOutput":
-    """Record of the file, deviations from its means; or of an experiment."""
     import numpy as np
 
     from armside.ilc.workbench.input_output import excited, read_input_output

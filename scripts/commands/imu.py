@@ -5,7 +5,8 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from cyclopts import Parameter
+import numpy as np
+from cyclopts import Group, Parameter
 
 from armside.sim.imu import (
     Compensation,
@@ -20,7 +21,7 @@ from armside.sim.imu import (
     run_one,
     run_rest,
 )
-from armside.sim.instruments.imu import ImuCfg
+from armside.sim.instruments.imu import ACCELEROMETER, GYROSCOPE, ImuCfg
 from armside.sim.notes import Note
 from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
@@ -31,20 +32,77 @@ from ..shell.bag_options import BAG_FIELDS, BagCfg
 from ..shell.console import Report, run_folder
 from ..shell.effort import Effort, refuse_absurd
 from ..shell.errors import checking_input
-from ..shell.options import Common, FileToRead, options
-from ..shell.unit_options import UnitCfg
+from ..shell.options import SOME, Common, FileToRead, Limits, check_limits, options
 
 STANDARD = ProcessingCfg()
+_IMU = Parameter(group=Group("Virtual IMU", sort_key=5))
+UNIT = ImuCfg()
+OF_UNIT = {
+    "imu_rate": Limits(10.0, 1000.0, "Hz"),
+    "accelerometer_noise": Limits(0.0, 1.0, "m/s^2 a root Hz"),
+    "gyroscope_noise": Limits(0.0, 10.0, "deg/s a root Hz"),
+    "accelerometer_bias": Limits(0.0, 10.0, "m/s^2"),
+    "gyroscope_bias": Limits(0.0, 100.0, "deg/s"),
+    "mounting_error": Limits(0.0, 10.0, "deg"),
+    "clock_offset": Limits(0.0, 100.0, "ms"),
+    "clock_drift": Limits(0.0, 1000.0, "ppm"),
+}
 LARGEST_NUMBER = 20
 """Recordings of one command."""
-LONGEST_REST = 600.0
-"""[s], with motors off and on each: half a minute of the processor or so."""
-LARGEST_CUTOFF = 25.0
-"""[Hz], where motor angles are low-passed before they are differentiated."""
-LONGEST_DELAY = 1000.0
-"""[ms], of a sensor's low-pass."""
+AT_MOST = OF_UNIT | {
+    "off": Limits(0.0, 600.0, "s", above=True),
+    "on": Limits(0.0, 600.0, "s", above=True),
+    "accelerometer_delay": Limits(-1000.0, 1000.0, "ms"),
+    "gyroscope_delay": Limits(-1000.0, 1000.0, "ms"),
+}
+"""At rest, half a minute of the processor or so."""
+OF_RECORDED = Limits(0.0, 25.0, "Hz with --recordings", above=True)
+"""Cutoff, where motor angles are low-passed before they are differentiated."""
 AT_REST = Effort(0.1, 4e6)
 """For each second at rest."""
+
+
+@options
+@dataclass(frozen=True, kw_only=True)
+class UnitCfg:
+    """Rate, errors and clock of the IMU. Errors are one standard deviation, drawn by the seed."""
+
+    imu_rate: Annotated[float, _IMU] = UNIT.rate
+    """Readings a second [Hz]."""
+    accelerometer_noise: Annotated[float, _IMU] = ACCELEROMETER.noise_density
+    """Noise density [m/s^2 a root Hz]."""
+    gyroscope_noise: Annotated[float, _IMU] = round(float(np.rad2deg(GYROSCOPE.noise_density)), 6)
+    """Noise density [deg/s a root Hz]."""
+    accelerometer_bias: Annotated[float, _IMU] = ACCELEROMETER.bias
+    """Bias at turn-on [m/s^2]."""
+    gyroscope_bias: Annotated[float, _IMU] = round(float(np.rad2deg(GYROSCOPE.bias)), 6)
+    """Bias at turn-on [deg/s]."""
+    mounting_error: Annotated[float, _IMU] = round(float(np.rad2deg(UNIT.mounting_error)), 6)
+    """Rotation of the housing about each of its axes [deg]."""
+    clock_offset: Annotated[float | None, _IMU] = None
+    """Largest offset of its clock [ms; default: 10, at rest 0]."""
+    clock_drift: Annotated[float, _IMU] = 1e6 * UNIT.clock_drift
+    """Error of its clock's rate [ppm]."""
+
+    def unit(self, clock_offset: float) -> ImuCfg:
+        """The IMU of these options. clock_offset [s]: of the experiment, if none was given."""
+        offset = clock_offset if self.clock_offset is None else 1e-3 * self.clock_offset
+        accelerometer = replace(
+            ACCELEROMETER, noise_density=self.accelerometer_noise, bias=self.accelerometer_bias
+        )
+        gyroscope = replace(
+            GYROSCOPE,
+            noise_density=np.deg2rad(self.gyroscope_noise),
+            bias=np.deg2rad(self.gyroscope_bias),
+        )
+        return ImuCfg(
+            accelerometer=accelerometer,
+            gyroscope=gyroscope,
+            rate=self.imu_rate,
+            mounting_error=np.deg2rad(self.mounting_error),
+            clock_offset=offset,
+            clock_drift=1e-6 * self.clock_drift,
+        )
 
 
 @options
@@ -55,9 +113,7 @@ class ImuOptions(UnitCfg, BagCfg):
     robot: str = "irb1400"
     """Robot that moves: irb1400, large, or a robot file (.toml). With --recordings also other names
     (ur10, irb120, aubo_i5, ...)."""
-    recordings: Annotated[
-        tuple[Path, ...], Parameter(consume_multiple=True, show_default=False)
-    ] = ()
+    recordings: Annotated[tuple[Path, ...], SOME] = ()
     """Folders or ROS bags of a real robot's recordings (docs/real.md)."""
     motion: Literal["simultaneous", "sequential", "rest"] = "simultaneous"
     """All motors at once, one at a time, or none: motors off, then on. A robot file that has no
@@ -88,15 +144,7 @@ class ImuOptions(UnitCfg, BagCfg):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._check_choice()
-        self.check_unit()
-        for name in ("off", "on"):
-            if not 0.0 < getattr(self, name) <= LONGEST_REST:
-                allowed = f"> 0 and at most {LONGEST_REST:g} s"
-                raise ValueError(f"{name} must be {allowed}, got {getattr(self, name):g}")
-        for name in ("accelerometer_delay", "gyroscope_delay"):
-            if not abs(getattr(self, name)) <= LONGEST_DELAY:
-                said, got = name.replace("_", "-"), f"{getattr(self, name):g}"
-                raise ValueError(f"{said} must be at most {LONGEST_DELAY:g} ms, got {got}")
+        check_limits(self, AT_MOST)
         if self.motion == "rest" and self.program is not None:
             raise ValueError("program and motion rest exclude each other")
 
@@ -114,9 +162,7 @@ class ImuOptions(UnitCfg, BagCfg):
             if field.name not in ours and getattr(self, field.name) != field.default:
                 name = field.name.replace("_", "-")
                 raise ValueError(f"--{name} is of the virtual robot, and excludes --recordings")
-        if not 0.0 < self.cutoff <= LARGEST_CUTOFF:
-            text = f"> 0 and at most {LARGEST_CUTOFF:g} Hz with --recordings"
-            raise ValueError(f"cutoff must be {text}, got {self.cutoff:g}")
+        OF_RECORDED.check("cutoff", self.cutoff)
 
     def experiment(self) -> ImuExperiment | RestExperiment:
         """Experiment of these options, in SI. Raises ValueError for what is not allowed."""
@@ -160,11 +206,7 @@ def imu(*, cfg: ImuOptions = ImuOptions(), common: Common = Common()) -> None:
         outcome = summary("imu", cfg, common, rest=rest.entries)
         leave, show = partial(shown.write_rest, rest), partial(shown.rest_table, rest)
     else:
-        done = []
-        with report.progress("moving", total=len(planned)) as step:
-            for one in planned:
-                done.append(run_one(experiment, one, common.seed))
-                step()
+        done = report.each("moving", lambda one: run_one(experiment, one, common.seed), planned)
         said = notes(done)
         outcome = summary("imu", cfg, common, notes=said, **results(done))
         leave, show = partial(shown.write_runs, done), partial(shown.error_tables, done)
@@ -176,26 +218,21 @@ def imu(*, cfg: ImuOptions = ImuOptions(), common: Common = Common()) -> None:
 
 
 def _recorded(cfg: ImuOptions, common: Common) -> None:
-    """Chapter 5 on recordings of a real robot."""
     from armside.sim.imu.recorded import process
     from armside.sim.recordings import read_motion
     from armside.sim.robot_file.find import load_robot
 
     from ..figures import recorded_imu as shown
 
-    report, done = Report(common), []
+    report = Report(common)
     with checking_input():
         arm, topics = load_robot(cfg.robot).arm, cfg.topics()
         recordings = [read_motion(one, topics) for one in cfg.recordings]
-        with report.progress("aligning", total=len(recordings)) as step:
-            for recording in recordings:
-                done.append(process(arm, recording, cfg.cutoff))
-                step()
+        done = report.each("aligning", lambda one: process(arm, one, cfg.cutoff), recordings)
     notes = [f"{one.name}: {note}" for one in recordings for note in one.notes]
     outcome = summary("imu", cfg, common, notes=notes, **shown.results(done))
     with run_folder(outcome, common) as folder:
         shown.write(folder, done)
-    for note in notes:
-        report.line(note)
+    report.lines(notes)
     shown.tables(report, done)
     report.results(outcome, folder.path)

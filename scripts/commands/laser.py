@@ -2,10 +2,10 @@
 
 from armside.sim.laser.experiment import Iteration, Pass
 from armside.sim.laser.results import quality, results
-from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
+from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.summary import summary
 
-from ..cutting.earlier import FromCfg, earlier, save_state
+from ..cutting.earlier import FromCfg, save_state, started
 from ..cutting.learning import fail_unless_done, ready
 from ..cutting.options import LaserCfg
 from ..cutting.specification import cut, measure
@@ -23,11 +23,9 @@ def laser(
     Writes summary.json, signals.parquet, circles.png, errors.png, kerf.png, replay.rrd and
     state.npz (for --from).
     """
-    report, before = Report(common), None
+    report = Report(common)
     with checking_input():
-        check_writable(common.out or RUNS / "laser")
-        if of.start is not None:
-            cfg, common, before = earlier(of.start, "laser", cfg, common)
+        cfg, common, before = started(of.start, "laser", cfg, common)
         made = ready(cut(cfg), measure(cfg), common.seed, before)
     made = made.corrected_by(cfg.twin)
     experiment, iterations, repeated = made.experiment, list[Iteration](), list[Pass]()

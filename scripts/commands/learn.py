@@ -2,10 +2,10 @@
 
 import time
 from contextlib import closing
+from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder
@@ -34,7 +34,6 @@ def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
     report = Report(common)
     try:
         with checking_input():
-            check_writable(common.out or RUNS / "learn")
             cfg, common, before = starts(cfg, common)
             by_hand = is_folder(cfg)
             followed = None if before is None else before.followed
@@ -54,7 +53,6 @@ def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
 
 
 def _loci(cfg: LearnCfg, task: "Task") -> "dict[str, Eigenloci]":
-    """Eigenloci of each heuristic law, for a coupled model."""
     from armside.ilc.workbench.compare import setting_of
     from armside.ilc.workbench.prediction import predicted_loci
 
@@ -80,29 +78,22 @@ def _runs(
 ) -> "list[LawRun]":
     from armside.ilc.workbench.compare import run_law
 
-    cases = [
-        (law, noise, repetition)
-        for law in cfg.laws
-        for noise in cfg.noise
-        for repetition in range(cfg.repeats)
-    ]
-    found = list[Any]()
+    cases = list(product(cfg.laws, cfg.noise, range(cfg.repeats)))
     with report.progress("learning", total=len(cases) * (cfg.iterations + 1)) as step:
-        for law, noise, repetition in cases:
-            found.append(
-                run_law(
-                    task,
-                    law,
-                    cfg.iterations,
-                    seed=common.seed,
-                    noise=noise,
-                    repetition=repetition,
-                    resume=None if before is None else before.state(law, noise, repetition),
-                    start=None if before is None else before.correction(law, task),
-                    step=step,
-                )
+        return [
+            run_law(
+                task,
+                law,
+                cfg.iterations,
+                seed=common.seed,
+                noise=noise,
+                repetition=repetition,
+                resume=None if before is None else before.state(law, noise, repetition),
+                start=None if before is None else before.correction(law, task),
+                step=step,
             )
-    return found
+            for law, noise, repetition in cases
+        ]
 
 
 def _by_hand(cfg: LearnCfg, common: Common, report: Report) -> None:
@@ -144,7 +135,7 @@ def _finish(
         common,
         status="diverged" if diverged else "done",
         started_from=None if before is None else before.entry,
-        laws=results.rows(runs),
+        laws=[results.row(run) for run in runs],
         notes=worse,
         eigenloci={
             law: {"largest": each.spectral_radius, "bound": each.bound}
@@ -162,8 +153,7 @@ def _finish(
     results.show(report, title, runs)
     for law, each in loci.items():
         report.line(f"Eigenloci of {law}: largest modulus {each.spectral_radius:.3g}")
-    for note in [*worse, *notes]:
-        report.line(f"Note: {note}")
+    report.notes([*worse, *notes])
     report.results(outcome, folder.path)
     if diverged:
         raise RunFailed(f"learning diverged with {', '.join(dict.fromkeys(diverged))}")

@@ -8,7 +8,6 @@ from typing import Annotated, Any
 
 import numpy as np
 import pyarrow as pa
-from cyclopts import Parameter
 
 from armside.sim.evaluation.recorded import (
     CircleTurn,
@@ -27,12 +26,15 @@ from armside.sim.records.tables import read_table
 from armside.sim.robot.kinematics_check import cell_model
 from armside.sim.robot_file.find import check_named, find_cell
 
-from ..cutting.options import LARGEST
 from ..shell.console import Report, keep
 from ..shell.errors import checking_input
-from ..shell.options import Common, FileToRead, options
+from ..shell.options import SOME, Common, FileToRead, Limits, check_limits, options
 
-LARGEST_GEAR = 1e6
+LIMITS = {
+    "radius": Limits(0.0, 5e3, "mm", above=True),
+    "turned": Limits(-360.0, 360.0, "degrees"),
+    "gear": Limits(0.0, 1e6, above=True),
+}
 MOTORS, TOOL = "largest motor error [mrad of the motor shaft]", "tool deviation [µm]"
 NO_TOOL = "It needs a tracker's samples in the turn, and --radius or --contour for own data"
 
@@ -45,7 +47,7 @@ class MeasureCfg:
     robot: str = "large"
     """Robot with these gear ratios, where --gear is not given: large, irb1400, or a robot file
     (.toml)."""
-    gear: Annotated[tuple[float, ...], Parameter(consume_multiple=True, show_default=False)] = ()
+    gear: Annotated[tuple[float, ...], SOME] = ()
     """Gear ratio of each motor; 1 for angles that are of the motor shaft already."""
     radius: float | None = None
     """Radius of the circle that the tracker saw [mm]. Without it and a contour only motors are
@@ -63,20 +65,13 @@ class MeasureCfg:
 
     def __post_init__(self) -> None:
         check_named(self.robot)
-        if self.radius is not None and not (np.isfinite(self.radius) and self.radius > 0.0):
-            raise ValueError(f"radius must be > 0 mm, got {self.radius:g}")
+        check_limits(self, LIMITS)
         if not 1e-6 < np.linalg.norm(self.normal) < 1e6:
             raise ValueError(f"normal must be a direction, not zero or huge, got {self.normal}")
-        if self.radius is not None and self.radius > LARGEST["radius"][0]:
-            raise ValueError(f"radius must be at most {LARGEST['radius'][0]:g} mm")
         if self.radius is not None and self.contour is not None:
             raise ValueError("give a radius or a contour, not both")
-        if not abs(self.turned) <= 360.0:
-            raise ValueError(f"turned must be -360 to 360 degrees, got {self.turned:g}")
         if self.start is not None and self.end is not None and not self.start < self.end:
             raise ValueError(f"start must be before end, got {self.start:g} and {self.end:g} s")
-        if any(not 0.0 < g <= LARGEST_GEAR for g in self.gear):
-            raise ValueError(f"gear ratios must be > 0, at most {LARGEST_GEAR:g}, got {self.gear}")
 
 
 def measure(file: Path, /, *, cfg: MeasureCfg = MeasureCfg(), common: Common = Common()) -> None:

@@ -2,13 +2,12 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder
 from ..shell.errors import RunFailed, checking_input, one_line
-from ..shell.options import Common, options
+from ..shell.options import Common, Limits, options
 
 
 @options
@@ -22,8 +21,7 @@ class PathLogsOptions:
     """Runs of the virtual large robot at each speed."""
 
     def __post_init__(self) -> None:
-        if not 2 <= self.runs <= 20:
-            raise ValueError(f"runs must be 2 to 20, got {self.runs}")
+        Limits(2, 20).check("runs", self.runs)
 
 
 def path_logs(
@@ -48,8 +46,7 @@ def path_logs(
                 done = compare_logs(arm, logs, cfg.runs, common.seed, step)
             except RuntimeError as error:
                 raise RunFailed(one_line(error)) from error
-    found: dict[str, Any] = shown.results(done)
-    outcome = summary("path-logs", cfg, common, data=data, **found)
+    outcome = summary("path-logs", cfg, common, data=data, **shown.results(done))
     with run_folder(outcome, common) as folder:
         shown.draw(folder / "path-logs.png", done)
     shown.tables(report, done)

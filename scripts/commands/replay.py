@@ -106,7 +106,6 @@ def _opened(runs: tuple[Path, ...], cfg: ReplayCfg) -> list[StoredRun]:
 
 
 def _shots(stored: list[StoredRun], cfg: ReplayCfg) -> "list[Shots]":
-    """What a picture or a film is drawn from, where one is asked for."""
     if cfg.png is None and cfg.video is None:
         return []
     from armside.sim.replay import film
@@ -115,7 +114,6 @@ def _shots(stored: list[StoredRun], cfg: ReplayCfg) -> "list[Shots]":
 
 
 def _write_and_show(stored: list[StoredRun], cfg: ReplayCfg, report: Report) -> None:
-    """Write the replay, into a temporary file where it is only shown."""
     from armside.sim.replay.run_scene import read_replay, write_replay
 
     with checking_input():

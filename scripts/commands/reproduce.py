@@ -15,7 +15,7 @@ from ..jobs.store import Store, missing, run_batch
 from ..jobs.workers import Workers
 from ..shell.console import Report
 from ..shell.errors import InputError, checking_input
-from ..shell.options import Common, options
+from ..shell.options import SOME, Common, Limits, options, path_checked
 from ..thesis import entries
 from ..thesis.pages import COLUMNS, check_row, count, html, markdown
 from ..thesis.report import KIND, MARKER, AbsentError, Asked, Part, ReportFolder, Section, as_rows
@@ -28,14 +28,12 @@ DRAWING = 1.5
 """Cost of drawing a section in the progress, beside the cost of jobs."""
 
 
-def _check_report(_type: object, out: Path | None) -> None:
-    if out is not None:
-        ReportFolder(out)
-
-
-def _check_data(_type: object, data: Path | None) -> None:
-    if data is not None and not data.is_dir():
+def _check_data(data: Path) -> None:
+    if not data.is_dir():
         raise ValueError(f"{data} is no folder")
+
+
+_DATA = Parameter(validator=path_checked(_check_data), group="Parameters")
 
 
 @Parameter(name="*")
@@ -43,10 +41,10 @@ def _check_data(_type: object, data: Path | None) -> None:
 class ReportOptions(Common):
     """Options of every command, with a folder that may hold an earlier report."""
 
-    out: Annotated[Path | None, Parameter(validator=_check_report)] = None
+    out: Annotated[Path | None, Parameter(validator=path_checked(ReportFolder))] = None
     """Folder of the report, new, empty, or an earlier report to be continued [default:
     runs/report]."""
-    data: Annotated[Path | None, Parameter(validator=_check_data, group="Parameters")] = None
+    data: Annotated[Path | None, _DATA] = None
     """Folder with the sets of measurements of real arms, for `real` (docs/real.md)."""
 
 
@@ -55,7 +53,7 @@ class ReportOptions(Common):
 class JointCfg:
     """Another joint, design or law in the figures of chapter 8, which are then not compared."""
 
-    joint: Annotated[tuple[str, ...], Parameter(consume_multiple=True, show_default=False)] = ()
+    joint: Annotated[tuple[str, ...], SOME] = ()
     """Numbers of the joint and its controller, KEY=VALUE in SI units: Jm, Ja (inertias), rg
     (ratio, below 1), k, d (spring), fm (friction), kt; Kp, Kd, Tf [default: Table 8.1, (8.11)]."""
     gamma: float = 0.9
@@ -69,12 +67,9 @@ class JointCfg:
     learn, such as norm-optimal or file.py:Name."""
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.gamma <= 100.0:
-            raise ValueError(f"gamma must be > 0 and at most 100, got {self.gamma:g}")
-        if not 1 <= self.delta <= 100:
-            raise ValueError(f"delta must be 1 to 100 samples, got {self.delta}")
-        if not 0.1 <= self.cutoff <= 49.0:
-            raise ValueError(f"cutoff must be 0.1 to 49 Hz, got {self.cutoff:g}")
+        Limits(0.0, 100.0, above=True).check("gamma", self.gamma)
+        Limits(1, 100, "samples").check("delta", self.delta)
+        Limits(0.1, 49.0, "Hz").check("cutoff", self.cutoff)
 
     def study(self) -> "Study | None":
         """Joint and design; None: those of the thesis."""
@@ -162,13 +157,11 @@ def _parts(ids: Sequence[str], cfg: JointCfg, common: ReportOptions) -> dict[str
 
 
 def _changed(cfg: JointCfg) -> dict[str, Any]:
-    """Options of a joint that are not the default."""
     own, usual = vars(cfg), vars(JointCfg())
     return {name: value for name, value in own.items() if value != usual[name]}
 
 
 def _options(name: str, cfg: JointCfg) -> str:
-    """Options with which a section is made again."""
     if name.startswith(f"{entries.REAL}-"):
         return " --data FOLDER"
     words = (

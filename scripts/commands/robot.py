@@ -6,12 +6,10 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from armside.sim.cell import Cell
-from armside.sim.evaluation.check import Check
 from armside.sim.evaluation.robot_examination import Examination
 from armside.sim.records.summary import summary
 from armside.sim.robot.kinematics_check import cell_model
-from armside.sim.robot.model import RobotModel, load_model
+from armside.sim.robot.model import load_model
 from armside.sim.robot_file.find import find_cell, load_robot
 
 from ..figures.robot_tables import (
@@ -105,7 +103,6 @@ def robot(
 
 
 def _named(model: Path | None, cfg: RobotCfg) -> tuple[str, Path | None]:
-    """Robot, and MJCF in place of its own."""
     if model is not None and model.suffix == ".toml":
         return str(model), None
     return cfg.robot or "large", model
@@ -124,11 +121,10 @@ def _describe(named: str, cfg: RobotCfg, report: Report, common: Common) -> None
         "singular": {k: str(value) for k, value in vars(singular).items()} if singular else {},
     }
     if cfg.latex:
-        for line in as_latex(found).splitlines():
-            report.line(line)
+        report.lines(as_latex(found).splitlines())
     else:
         print_description(report, found.robot, values)
-    outcome = _summary("model", named, None, common, "done", values)
+    outcome = _summary("model", named, None, common, values)
     if cfg.plot or common.out is not None:
         with run_folder(outcome, common) as folder:
             if cfg.plot:
@@ -148,17 +144,14 @@ def _check(named: str, model: Path | None, report: Report, common: Common) -> No
     found["checks"] = [asdict(check) | {"holds": check.holds} for check in checks]
     print_check(report, found, checks)
     failed = [check for check in checks if not check.holds]
-    outcome = _summary("check", named, model, common, "failed" if failed else "done", found)
+    outcome = _summary("check", named, model, common, found, "failed" if failed else "done")
     keep(outcome, common)
     report.summary(outcome)
     if failed:
-        raise RunFailed(_complaint(failed, len(checks), examined.first_axis))
-
-
-def _complaint(failed: list[Check], n: int, axis: int | None) -> str:
-    found = ", ".join(f"{check.statement} is {check.ours:.4g}" for check in failed)
-    where = "" if axis is None else f"; axis {axis} is the first that moves the tool otherwise"
-    return f"{len(failed)} of {n} verdicts fail: {found}{where}"
+        fail = ", ".join(f"{check.statement} is {check.ours:.4g}" for check in failed)
+        axis = examined.first_axis
+        where = "" if axis is None else f"; axis {axis} is the first that moves the tool otherwise"
+        raise RunFailed(f"{len(failed)} of {len(checks)} verdicts fail: {fail}{where}")
 
 
 def _show(named: str, model: Path | None, report: Report, common: Common) -> None:
@@ -169,18 +162,13 @@ def _show(named: str, model: Path | None, report: Report, common: Common) -> Non
     found = {"table": table_of(cell.robot), "axes": axes_of(examined)}
     found["estimates"] = estimates_of(examined)
     print_data(report, cell.robot.name, found)
-    outcome = _summary("show", named, model, common, "done", found)
-    _keep_picture(outcome, loaded, cell, common)
+    outcome = _summary("show", named, model, common, found)
+    if common.out is not None:
+        from ..viewers.robot import draw_robot
+
+        with run_folder(outcome, common) as folder:
+            draw_robot(folder / "robot.png", loaded, cell)
     report.summary(outcome)
-
-
-def _keep_picture(outcome: dict[str, Any], loaded: RobotModel, cell: Cell, common: Common) -> None:
-    if common.out is None:
-        return
-    from ..viewers.robot import draw_robot
-
-    with run_folder(outcome, common) as folder:
-        draw_robot(folder / "robot.png", loaded, cell)
 
 
 def _build(named: str, report: Report, common: Common) -> None:
@@ -191,7 +179,9 @@ def _build(named: str, report: Report, common: Common) -> None:
         examined = Examination(cell_model(cell), cell)
         files = built_files(cell, Path(named).stem)
     found = {"files": sorted(files), "estimates": estimates_of(examined)}
-    _write(files, _summary("build", named, None, common, "done", found), report, common)
+    outcome = _summary("build", named, None, common, found)
+    report.texts(files, outcome)
+    report.summary(outcome)
 
 
 def _new(model: Path | None, cfg: RobotCfg, report: Report, common: Common) -> None:
@@ -201,16 +191,8 @@ def _new(model: Path | None, cfg: RobotCfg, report: Report, common: Common) -> N
         source = template() if model is None else read_source(model, cfg.tip)
         files = {"robot.toml": commented(source)}
     found = {"files": sorted(files), "axes": source.arm.robot.n_joints}
-    _write(files, _summary("new", source.origin, model, common, "done", found), report, common)
-
-
-def _write(files: dict[str, str], outcome: dict[str, Any], report: Report, common: Common) -> None:
-    with run_folder(outcome, common) as folder:
-        for name, text in files.items():
-            (folder / name).parent.mkdir(exist_ok=True)
-            (folder / name).write_text(text, encoding="utf-8")
-    for name in files:
-        report.line(str(folder.path / name))
+    outcome = _summary("new", source.origin, model, common, found)
+    report.texts(files, outcome)
     report.summary(outcome)
 
 
@@ -219,8 +201,8 @@ def _summary(
     named: str,
     model: Path | None,
     common: Common,
-    status: str,
     found: dict[str, Any],
+    status: str = "done",
 ) -> dict[str, Any]:
     asked = {"action": action, "model": model, "robot": named}
     return summary("robot", asked, common, status=status, **found)

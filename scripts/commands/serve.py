@@ -9,7 +9,7 @@ from armside.sim.records.summary import summary
 
 from ..shell.console import Report, run_folder
 from ..shell.errors import RunFailed, checking_input, needs
-from ..shell.options import Common, options
+from ..shell.options import Common, Limits, options
 from ..workbench.controllers import PORTS, whole_port
 
 if TYPE_CHECKING:
@@ -51,12 +51,9 @@ class ServeCfg:
     def __post_init__(self) -> None:
         if self.port is not None:
             whole_port(self.port, least=1)
-        if self.runs is not None and self.runs < 1:
-            raise ValueError(f"runs must be >= 1, got {self.runs}")
-        if self.idle is not None and not 0.0 < self.idle <= 1e7:
-            raise ValueError(f"idle must be above 0 and at most 1e7 s, got {self.idle:g}")
-        if not 0.1 <= self.seconds <= 600.0:
-            raise ValueError(f"seconds must be 0.1 to 600, got {self.seconds:g}")
+        Limits(1).check("runs", self.runs)
+        Limits(0.0, 1e7, "s", above=True).check("idle", self.idle)
+        Limits(0.1, 600.0).check("seconds", self.seconds)
         if self.relative and self.protocol != "rsi":
             raise ValueError("relative corrections are those of RSI: --protocol rsi")
 
@@ -106,7 +103,6 @@ def serve(*, cfg: ServeCfg = ServeCfg(), common: Common = Common()) -> None:
 
 
 def _of_time(server: "Server") -> str:
-    """Line on the cycles of 4 ms."""
     late = f"{server.late} answers came after their cycle or twice"
     said = f"Real time: {late}; cycles began at most {1e3 * server.longest:.2g} ms late"
     return said if server.prioritised else f"{said} (the system grants no real-time priority)"

@@ -62,6 +62,12 @@ def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) ->
     configuration has failed or a file of the folder is damaged.
     """
     report = Report(common)
+
+    def waiting(n: int) -> None:
+        if not common.quiet:
+            said = f"armside: waiting for {n} configurations that another sweep has claimed"
+            print(said, file=sys.stderr, flush=True)
+
     with checking_input():
         engine = Workers(cfg.workers) if cfg.engine == "local" else RayCluster(str(cfg.address))
     with closing(engine):
@@ -71,7 +77,6 @@ def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) ->
         keys = [point.key for point in points]
         name = hashlib.sha256("".join(sorted(keys)).encode()).hexdigest()[:8]
         rows = Dataset(cfg.into or RUNS / f"sweep-{name}")
-        waiting = _say_nothing if common.quiet else _say_waiting
         try:
             with report.progress("sweeping", total=len(points)) as step:
                 counts = run_grid(
@@ -105,12 +110,3 @@ def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) ->
             f"{n_failed} of {len(points)} configurations failed, the first with {error} "
             "(--retry-failed runs them again)"
         )
-
-
-def _say_nothing(n: int) -> None:
-    pass
-
-
-def _say_waiting(n: int) -> None:
-    waiting = f"armside: waiting for {n} configurations that another sweep has claimed"
-    print(waiting, file=sys.stderr, flush=True)

@@ -89,7 +89,6 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
 
 
 def _refuse_absurd(cfg: TuneCfg) -> None:
-    """Raise InputError for a search that would take too long or too much memory."""
     runs = cfg.episodes * (cfg.iterations + 1)
     refuse_absurd(f"a trial of {cfg.episodes} episodes", OF_A_RUN * runs)
     refuse_absurd(f"{cfg.trials} trials", Effort(OF_A_RUN.seconds * runs * cfg.trials), kept=True)

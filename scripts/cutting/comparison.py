@@ -1,13 +1,12 @@
 """Options of `armside compare`, and the cuts that they name."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from cyclopts import Parameter
 
 from armside.ilc.workbench.compare import RunState, save_states
 from armside.sim.cell import pose
@@ -22,12 +21,11 @@ from armside.sim.robot_file.find import find_cell
 
 from ..shell.effort import refuse_absurd
 from ..shell.errors import InputError
-from ..shell.options import options
+from ..shell.options import PERCENT, SEVERAL, Limits, check_limits, options
 from .earlier import STATE, Earlier
-from .options import LARGEST, SLOWEST, KnownGearsCfg, known_state
+from .options import OF_ROBOT, KnownGearsCfg, known_state
 from .specification import effort
 
-_Several = Parameter(consume_multiple=True)
 RADIUS = 0.005
 """[m], of the circles."""
 MEASURES = 4
@@ -41,9 +39,9 @@ class CompareCfg(KnownGearsCfg):
 
     robot: str = "large"
     """Robot: large, irb1400, or a robot file (.toml)."""
-    poses: Annotated[tuple[str, ...], _Several] = ()
+    poses: Annotated[tuple[str, ...], SEVERAL] = ()
     """Named poses [default: all of the robot; p1, p2 and p3 of thesis (9.3) of the large one]."""
-    speeds: Annotated[tuple[float, ...], _Several] = (40.0, 100.0)
+    speeds: Annotated[tuple[float, ...], SEVERAL] = (40.0, 100.0)
     """Programmed speeds [mm/s]."""
     raised_acceleration: float = 2.2
     """Raised limit: cuts whose speed the controller lowers are also made with it [m/s^2]."""
@@ -67,24 +65,16 @@ class CompareCfg(KnownGearsCfg):
             pose(name, known)
         if not self.speeds:
             raise ValueError("speeds takes one value or more, got none")
-        for speed in self.speeds:
-            if not SLOWEST <= speed <= LARGEST["speed"][0]:
-                raise ValueError(f"speeds must be > 0 mm/s, at most 10000, got {speed:g}")
-        if self.iterations < 1:
-            raise ValueError(f"iterations must be >= 1, got {self.iterations}")
-        if not 0.0 <= self.stiffness_error < 100.0:
-            raise ValueError(f"stiffness-error must be in [0, 100) %, got {self.stiffness_error:g}")
+        check_limits(
+            self,
+            {"speeds": OF_ROBOT["speed"], "iterations": Limits(1), "stiffness_error": PERCENT},
+        )
         PathLimits(acceleration=self.raised_acceleration)
 
 
 def cases_of(cfg: CompareCfg, seed: int) -> list[Case]:
-    """All of `cases`."""
-    return list(cases(cfg, seed))
-
-
-def cases(cfg: CompareCfg, seed: int) -> Iterator[Case]:
     """Each pose and speed; a speed that the controller lowers also with its limit raised."""
-    robot = known_state(cfg, find_cell(cfg.robot).robot)
+    robot, found = known_state(cfg, find_cell(cfg.robot).robot), list[Case]()
     for speed in cfg.speeds:
         limits = [PathLimits()]
         if speed * 1e-3 > PathLimits().cornering_speed(RADIUS):
@@ -93,7 +83,8 @@ def cases(cfg: CompareCfg, seed: int) -> Iterator[Case]:
             cut = Cut(
                 robot=cfg.robot, pose=name, speed=speed * 1e-3, limits=limit, imu=ImuCfg(), **robot
             )
-            yield Case(cut=cut, seed=seed)
+            found.append(Case(cut=cut, seed=seed))
+    return found
 
 
 def refuse_absurd_comparison(cfg: CompareCfg, n_cases: int) -> None:

@@ -10,11 +10,10 @@ from cyclopts import Parameter
 from armside.arrays import Array
 from armside.ilc.workbench.compare import RunState, read_states, save_states
 from armside.sim.part.carried import Motion, carried
-from armside.sim.records.run_folder import RunFolder
+from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.stored_run import StoredRun, read_run
 from armside.sim.robot_file.find import find_cell
 
-from ..shell.console import Report
 from ..shell.errors import InputError
 from ..shell.options import Common, options
 
@@ -82,47 +81,40 @@ class Earlier(Generic[Cfg]):
         Raises InputError where they follow different paths.
         """
         try:
-            return carried(state.loop.correction, before, motion, anywhere=self.other_robot)
+            anywhere = "robot" in self.changed
+            return carried(state.loop.correction, before, motion, anywhere=anywhere)
         except ValueError as error:
             raise InputError(f"{self.run.folder} cannot be started from: {error}") from error
 
     @property
-    def other_robot(self) -> bool:
-        """The correction is taken to another robot."""
-        return "robot" in self.changed
-
-    @property
-    def k(self) -> int:
-        """Last iteration."""
-        return max(state.loop.k for state in self.states.values() if state is not None)
-
-    @property
-    def _s(self) -> str:
-        """Plural of a run with several loops."""
-        return "" if list(self.states) == [KEY] else "s"
-
-    @property
     def entry(self) -> dict[str, Any]:
         """Entry of `summary.json`: what the run started from."""
-        how = f"its last run{self._s}" if self.goes_on else f"its correction{self._s}"
-        if not self.changed and self.repeats:
-            how += ", repeated"
-        folder = str(self.run.folder)
-        return {"run": folder, "k": self.k, "how": how, "changed": list(self.changed)}
+        what = "last run" if self.goes_on else "correction"
+        plural = "" if list(self.states) == [KEY] else "s"
+        repeated = ", repeated" if self.repeats and not self.changed else ""
+        k = max(state.loop.k for state in self.states.values() if state is not None)
+        how = f"its {what}{plural}{repeated}"
+        return {"run": str(self.run.folder), "k": k, "how": how, "changed": list(self.changed)}
 
     @property
     def line(self) -> str:
         """The same in a sentence."""
-        where = f"k = {self.k} of {self.run.folder}"
-        if self.changed:
-            changed = f"{where}; changed: {', '.join(self.changed)}"
-            text = f"Starts from the correction{self._s} of {changed}"
-            return f"{text}. {BY_AXIS}" if self.other_robot else text
-        return (
-            f"Repeats the correction{self._s} of {where}"
-            if self.repeats
-            else f"Goes on from {where}"
-        )
+        where = f"k = {self.entry['k']} of {self.run.folder}"
+        if self.goes_on:
+            return f"Goes on from {where}"
+        corrections = self.entry["how"].removeprefix("its ").removesuffix(", repeated")
+        if not self.changed:
+            return f"Repeats the {corrections} of {where}"
+        text = f"Starts from the {corrections} of {where}; changed: {', '.join(self.changed)}"
+        return f"{text}. {BY_AXIS}" if "robot" in self.changed else text
+
+
+def started(
+    start: Path | None, experiment: str, cfg: Cfg, common: Common
+) -> tuple[Cfg, Common, Earlier[Cfg] | None]:
+    """As `earlier`, where there is one. Raises InputError where no results can be written."""
+    check_writable(common.out or RUNS / experiment)
+    return (cfg, common, None) if start is None else earlier(start, experiment, cfg, common)
 
 
 def earlier(
@@ -160,22 +152,18 @@ def earlier(
     states = read_states(run.file(STATE))
     if not any(states.values()):
         raise InputError(f"{start} kept no state to start from")
-    return (
-        used,
-        replace(common, seed=seed),
-        Earlier(
-            run=run,
-            states=states,
-            options=before,
-            seed=old_seed,
-            changed=tuple(changed),
-            repeats=getattr(used, "iterations", 1) == 0,
-        ),
+    left = Earlier(
+        run=run,
+        states=states,
+        options=before,
+        seed=old_seed,
+        changed=tuple(changed),
+        repeats=getattr(used, "iterations", 1) == 0,
     )
+    return used, replace(common, seed=seed), left
 
 
 def _refuse_diverged(run: StoredRun) -> None:
-    """Raise InputError for a run, or a comparison with a loop, that diverged."""
     for row in run.summary.get("comparisons", ()):
         if row["diverged"]:
             lost = f"learning from {row['measure']} diverged at {row['pose']}"
@@ -230,7 +218,6 @@ def _given(cfg: Any) -> list[str]:
 
 
 def _typed(kind: Any, name: str, stored: Any) -> Any:
-    """A value of JSON as the option has it."""
     if isinstance(stored, list):
         return tuple(stored)
     hint = get_type_hints(kind)[name]
@@ -242,12 +229,3 @@ def save_state(folder: RunFolder, state: RunState | None) -> None:
     """Write the state that the next run goes on from; none of a run without a loop."""
     if state is not None:
         save_states(folder / STATE, {KEY: state})
-
-
-def show_transfer(report: Report, before: Earlier, without: float | None, rows: list[Any]) -> None:
-    """Print what a run started from; where it was taken over, the error with and without it."""
-    report.line(before.line)
-    first = rows[0]["arm_rms"]
-    if without is not None and first is not None:
-        figures = f"{1e6 * first:.4g} um, {1e6 * without:.4g} um without it"
-        report.line(f"Its first run, with that correction: RMS {figures}")

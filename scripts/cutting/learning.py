@@ -14,7 +14,7 @@ from armside.sim.notes import Note
 
 from ..shell.console import Report
 from ..shell.errors import RunFailed
-from .earlier import Earlier, show_transfer
+from .earlier import Earlier
 from .options import LaserCfg
 from .specification import cut, measure
 
@@ -76,8 +76,11 @@ class Ready:
         """Print what it started from."""
         rows = outcome["iterations"]
         if self.earlier is not None:
+            report.line(self.earlier.line)
             without = outcome["started_from"].get("uncorrected", {}).get("arm_rms")
-            show_transfer(report, self.earlier, without, rows)
+            if None not in (without, first := rows[0]["arm_rms"]):
+                figures = f"{1e6 * first:.4g} um, {1e6 * without:.4g} um without it"
+                report.line(f"Its first run, with that correction: RMS {figures}")
         if "predicted" in outcome:
             report.line(predicted_line(outcome["predicted"], rows))
 

@@ -17,14 +17,21 @@ from armside.sim.robot.individual_file import read_individual
 from armside.sim.robot.spread import Drawn
 from armside.sim.robot_file.find import find_cell
 
-from ..shell.options import LARGEST_SEED, FileToRead, check_read, options
+from ..shell.options import (
+    PERCENT,
+    SEED,
+    SOME,
+    FileToRead,
+    Limits,
+    check_limits,
+    check_read,
+    options,
+)
 
 EffectName = Literal["lost-motion", "gear-error", "ripple", "load-friction"]
 _GROUP = Group("Robot individual", sort_key=5)
 _OF_ROBOT = Parameter(group=_GROUP)
 _SEVERAL = Parameter(group=_GROUP, consume_multiple=True)
-MOST_DRIFT = 1000.0
-"""[%]"""
 
 
 @options
@@ -43,17 +50,10 @@ class IndividualCfg:
     """Effects of gears and drives to leave out, for ablations."""
 
     def __post_init__(self) -> None:
-        if isinstance(self.individual, int) and self.individual < 0:
-            raise ValueError(f"individual must be >= 0, or a TOML file, got {self.individual}")
-        if isinstance(self.individual, int) and self.individual > LARGEST_SEED:
-            raise ValueError(f"individual must be below 2^63, got {self.individual:.4e}")
-        if not -100.0 < self.friction_drift <= MOST_DRIFT:
-            allowed = f"in (-100, {MOST_DRIFT:g}] %"
-            raise ValueError(f"friction-drift must be {allowed}, got {self.friction_drift:g}")
-        coldest, warmest = TEMPERATURES
-        if self.temperature is not None and not coldest <= self.temperature <= warmest:
-            allowed = f"from {coldest:g} to {warmest:g} deg C"
-            raise ValueError(f"temperature must be {allowed}, got {self.temperature:g}")
+        if isinstance(self.individual, int):
+            SEED.check("individual", self.individual)
+        Limits(-100.0, 1000.0, "%", above=True).check("friction_drift", self.friction_drift)
+        Limits(*TEMPERATURES, "deg C").check("temperature", self.temperature)
         if self.temperature is not None and "load-friction" in self.without:
             raise ValueError("temperature acts through load-friction: do not leave it out")
 
@@ -81,10 +81,7 @@ def _drawn(number: int | None) -> Drawn | None:
 class KnownGearsCfg(IndividualCfg):
     """Robot individual, and what is known of its gears."""
 
-    gears: Annotated[
-        Path | None,
-        Parameter(group=_GROUP, validator=check_read),
-    ] = None
+    gears: Annotated[Path | None, Parameter(group=_GROUP, validator=check_read)] = None
     """File gears.toml of `armside gears`. Of this robot individual: its motors then follow what
     makes the tool right, and the estimate knows its gear error."""
 
@@ -99,27 +96,40 @@ def known_state(cfg: KnownGearsCfg, robot: Robot) -> dict[str, Any]:
 
 
 _BY_ROBOT: Any = None  # until the configuration knows its robot
-_OfDesign = Parameter(consume_multiple=True, show_default=False)
 RADIUS = 5.0
 """[mm], of the circle where none is given."""
-SMALLEST_RADIUS = 0.1
-"""[mm]; a smaller one is below what a robot of this size resolves."""
 FRICTION_SPREAD = 2.0
 """[%], of a robot that is no individual."""
-SMALLEST_BEAM = 0.01
-"""[mm]; no laser cuts metal with less."""
-LARGEST = {
-    **dict.fromkeys(("radius", "size", "width", "corner"), (5e3, "mm")),
-    **{"beam": (100.0, "mm"), "speed": (1e4, "mm/s"), "path_acceleration": (1e3, "m/s^2")},
-    **{"payload": (1e4, "kg"), "position": (1e5, "mm"), "gamma": (1e9, ""), "cutoff": (1e6, "Hz")},
-    **{"delta": (10**6, "samples"), "quaternion": (10.0, "")},
+OF_ROBOT = {
+    "payload": Limits(0.0, 1e4, "kg"),
+    "speed": Limits(1e-3, 1e4, "mm/s"),
+    "path_acceleration": Limits(1e-3, 1e3, "m/s^2"),
 }
-"""Larger values, of either sign, are no machine's, and overflow in what is computed from them."""
+"""Values beyond these limits are no machine's, and overflow in what is computed from them."""
+OF_CONTOUR = OF_ROBOT | {
+    "radius": Limits(0.1, 5e3, "mm"),
+    "size": Limits(0.2, 5e3, "mm"),
+    "width": Limits(0.2, 5e3, "mm"),
+    "corner": Limits(0.1, 5e3, "mm"),
+    "position": Limits(-1e5, 1e5, "mm"),
+    "quaternion": Limits(-10.0, 10.0),
+    "stiffness_error": PERCENT,
+    "friction_spread": PERCENT,
+}
+"""A smaller contour is below what a robot of this size resolves."""
+BEAM = Limits(0.01, 100.0, "mm")
+"""No laser cuts metal with less."""
+OF_LEARNING = {
+    "beam": BEAM,
+    "iterations": Limits(0),
+    "gamma": Limits(high=1e9),
+    "cutoff": Limits(high=1e6, unit="Hz"),
+    "delta": Limits(high=10**6, unit="samples"),
+}
+"""`Design` has the smallest values."""
 LARGEST_INVERSE_GAIN = 2.0
 """From here on a law that inverts the plant does not converge, however good its model."""
 SIX = 6
-SLOWEST = 1e-3
-"""[mm/s] and [m/s^2], of speed and path acceleration."""
 
 
 @options
@@ -172,49 +182,12 @@ class ContourCfg(KnownGearsCfg):
             object.__setattr__(self, "friction_spread", FRICTION_SPREAD)
         if self.individual is not None and self.friction_spread is not None:
             raise ValueError("friction-spread does not apply to an individual: its friction is own")
-        self._refuse_huge()
-        for name, unit in (("radius", "mm"), ("speed", "mm/s")):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0.0):
-                raise ValueError(f"{name} must be > 0 {unit}, got {value:g}")
-        smallest_of = dict.fromkeys(("radius", "size", "width", "corner"), SMALLEST_RADIUS)
-        smallest_of |= dict.fromkeys(("size", "width"), 2.0 * SMALLEST_RADIUS)
-        for name, smallest in smallest_of.items():
-            self._check_least(name, smallest)
-        if self.payload is not None and not (np.isfinite(self.payload) and self.payload >= 0.0):
-            raise ValueError(f"payload must be >= 0 kg, got {self.payload:g}")
-        for name in ("friction_spread", "stiffness_error"):
-            value = getattr(self, name)
-            if value is not None and not 0.0 <= value < 100.0:
-                said = name.replace("_", "-")
-                raise ValueError(f"{said} must be in [0, 100) %, got {value:g}")
-        if not self.path_acceleration > 0.0:
-            raise ValueError(f"path-acceleration must be > 0 m/s^2, got {self.path_acceleration:g}")
-        for name in ("speed", "path_acceleration"):
-            if getattr(self, name) < SLOWEST:
-                said, unit = name.replace("_", "-"), LARGEST[name][1]
-                got = f"{getattr(self, name):g}"
-                raise ValueError(f"{said} must be >= {SLOWEST:g} {unit}, got {got}")
+        check_limits(self, OF_CONTOUR)
 
     @cached_property
     def cell(self) -> Cell:
         """Cell of the robot. Raises ValueError for an unknown name or a wrong robot file."""
         return find_cell(self.robot)
-
-    def _check_least(self, name: str, smallest: float) -> None:
-        """Raise ValueError for a length below the smallest [mm]."""
-        value = getattr(self, name)
-        if value is not None and not (np.isfinite(value) and value >= smallest):
-            raise ValueError(f"{name} must be >= {smallest:g} mm, got {value:g}")
-
-    def _refuse_huge(self) -> None:
-        for name, (largest, unit) in LARGEST.items():
-            given = getattr(self, name, None)
-            for value in given if isinstance(given, tuple) else (given,):
-                if value is not None and abs(value) > largest:
-                    most = f"{largest:g} {unit}".rstrip()
-                    said = name.replace("_", "-")
-                    raise ValueError(f"{said} must be at most {most}, got {float(value):g}")
 
 
 @options
@@ -228,13 +201,13 @@ class LaserCfg(ContourCfg):
     heuristic for --measure motor, inverse otherwise]."""
     measure: Literal["motor", "estimate", "tracker"] = "motor"
     """Learn from. Motor angles, or the tool by an IMU estimate or the tracker."""
-    gamma: Annotated[tuple[float, ...], _OfDesign] = _BY_ROBOT
+    gamma: Annotated[tuple[float, ...], SOME] = _BY_ROBOT
     """Learning gain [default: 0.9]. One for all motors or six [default with --robot irb1400
     --measure motor: 1]."""
-    delta: Annotated[tuple[int, ...], _OfDesign] = _BY_ROBOT
+    delta: Annotated[tuple[int, ...], SOME] = _BY_ROBOT
     """Time shift [samples of 4 ms] [default: 3]. One for all motors or six [default with --robot
     irb1400 --measure motor: 8]."""
-    cutoff: Annotated[tuple[float, ...], _OfDesign] = _BY_ROBOT
+    cutoff: Annotated[tuple[float, ...], SOME] = _BY_ROBOT
     """Cutoff of Q [Hz] [default: 10; of the tool 13 to 20]. One for all motors or six [default with
     --robot irb1400 --measure motor: 20; where the tool's path is learned from 13, four times a
     contour's turns a second if that is more, up to 15, and the arm's lowest identified mode if that
@@ -256,7 +229,7 @@ class LaserCfg(ContourCfg):
         super().__post_init__()
         if self.gears is not None and self.twin is not None:
             raise ValueError("give gears or twin, not both: a twin knows gear errors of its own")
-        self._check_least("beam", SMALLEST_BEAM)
+        check_limits(self, OF_LEARNING)
         motor = self.measure == "motor"
         design = default_design(self.cell) if motor else THESIS
         cutoff = design.cutoff if motor else (self._pass_band(),)
@@ -264,8 +237,6 @@ class LaserCfg(ContourCfg):
         for name, value in defaults.items():
             if getattr(self, name) is None:
                 object.__setattr__(self, name, value)
-        if self.iterations < 0:
-            raise ValueError(f"iterations must be >= 0, got {self.iterations}")
         if self.repetitions < 0 or self.repetitions == 1:
             raise ValueError(f"repetitions must be 0, or 2 and more, got {self.repetitions}")
         for name in ("gamma", "delta", "cutoff"):

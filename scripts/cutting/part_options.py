@@ -4,12 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-import numpy as np
 from cyclopts import Group, Parameter
 
 from armside.sim.instruments.imu import ImuCfg
-from armside.sim.laser.learning import measure_of
-from armside.sim.laser.measures import Measure, MotorAngles
 from armside.sim.motion.timing import PathLimits
 from armside.sim.part.chain import MM
 from armside.sim.part.drawing import Reading, Unit
@@ -18,14 +15,13 @@ from armside.sim.robot_file.find import find_cell
 
 from ..shell.effort import refuse_absurd
 from ..shell.errors import InputError
-from ..shell.options import FileToRead, options
+from ..shell.options import PERCENT, FileToRead, Limits, check_limits, options
 from .earlier import Earlier
 from .options import (
+    BEAM,
     FRICTION_SPREAD,
-    LARGEST,
+    OF_ROBOT,
     SIX,
-    SLOWEST,
-    SMALLEST_BEAM,
     KnownGearsCfg,
     known_state,
 )
@@ -37,11 +33,17 @@ if TYPE_CHECKING:  # its package needs the extra of drawings
 _PLAN = Group("Drawing and plan", sort_key=1)
 _OF_PLAN = Parameter(group=_PLAN)
 _SEVERAL = Parameter(group=_PLAN, consume_multiple=True)
-MOST_JOINTS = 1000
-LARGEST_MM = 1e3
-"""[mm], of the plan's small lengths."""
-LONGEST_PIERCE = 600.0
-"""[s]."""
+OF_PLAN = OF_ROBOT | {
+    "join": Limits(1e-3, 1e3, "mm"),
+    "corner": Limits(1e-3, 1e3, "mm"),
+    "beam": BEAM,
+    "joint_width": Limits(1e-3, 1e3, "mm"),
+    "rapid": OF_ROBOT["speed"],
+    "pierce": Limits(0.0, 600.0, "s"),
+    "micro_joints": Limits(0, 1000),
+    "converged": PERCENT,
+    "iterations": Limits(0),
+}
 
 
 @options
@@ -99,27 +101,7 @@ class CutCfg(KnownGearsCfg):
         if (n := find_cell(self.robot).robot.n_joints) != SIX:
             needs = f"cut plans with six axes, {self.robot} has {n}"
             raise ValueError(f"{needs}: cut its contours one by one with armside laser --contour")
-        for name, largest, unit in (
-            *((name, LARGEST_MM, "mm") for name in ("join", "corner", "beam", "joint_width")),
-            *((name, LARGEST["speed"][0], "mm/s") for name in ("speed", "rapid")),
-            ("path_acceleration", LARGEST["path_acceleration"][0], "m/s^2"),
-        ):
-            self._check(name, SLOWEST, largest, unit)
-        self._check("beam", SMALLEST_BEAM, LARGEST["beam"][0], "mm")
-        self._check("pierce", 0.0, LONGEST_PIERCE, "s")
-        self._check("micro_joints", 0, MOST_JOINTS, "")
-        if self.payload is not None:
-            self._check("payload", 0.0, LARGEST["payload"][0], "kg")
-        if not 0.0 <= self.converged < 100.0:
-            raise ValueError(f"converged must be in [0, 100) %, got {self.converged:g}")
-        if self.iterations < 0:
-            raise ValueError(f"iterations must be >= 0, got {self.iterations}")
-
-    def _check(self, name: str, least: float, most: float, unit: str) -> None:
-        value = float(getattr(self, name))
-        if not (np.isfinite(value) and least <= value <= most):
-            allowed = f"from {least:g} to {most:g} {unit}".rstrip()
-            raise ValueError(f"{name.replace('_', '-')} must be {allowed}, got {value:g}")
+        check_limits(self, OF_PLAN)
 
 
 def drawing(file: Path | None, before: Earlier | None) -> Path:
@@ -177,10 +159,3 @@ def part_cut(file: Path, cfg: CutCfg) -> "PartCut":
     )
     found.tool_pose  # noqa: B018 - raises for an unknown pose
     return found
-
-
-def measure(cfg: CutCfg) -> Measure:
-    """The measured output of the options."""
-    if cfg.measure == "motor":
-        return MotorAngles()
-    return measure_of(cfg.measure)

@@ -48,19 +48,19 @@ def cut(cfg: LaserCfg) -> Cut:
     if 0.5 * cfg.beam * MM >= curve.smallest_radius:
         bends = f"bends with a radius of {curve.smallest_radius / MM:g} mm"
         raise ValueError(f"a beam of {cfg.beam:g} mm is too wide for {bends}")
-    runs = cfg.iterations + 1 + cfg.repetitions
-    _refuse_absurd(cfg, curve, runs, estimated=cfg.measure == "estimate")
-    return _cut(cfg, curve, None if cfg.measure == "motor" else ImuCfg())
+    return _cut(cfg, curve, cfg.iterations + 1 + cfg.repetitions, cfg.measure)
 
 
 def cut_with_imu(cfg: ContourCfg) -> Cut:
     """A single cut of the options, with an IMU at the tool. Raises ValueError as `cut`."""
-    curve = contour(cfg)
-    _refuse_absurd(cfg, curve, 1, estimated=True)
-    return _cut(cfg, curve, ImuCfg())
+    return _cut(cfg, contour(cfg), 1, "estimate")
 
 
-def _cut(cfg: ContourCfg, curve: ClosedCurve, imu: ImuCfg | None) -> Cut:
+def _cut(cfg: ContourCfg, curve: ClosedCurve, runs: int, measure: str) -> Cut:
+    """The cut, unless so many runs would take too long or too much memory."""
+    what = f"{runs} runs along {curve.length / MM:.4g} mm at {cfg.speed:g} mm/s"
+    estimated = measure == "estimate"
+    refuse_absurd(what, effort(curve.length, cfg.speed * MM, runs, estimated=estimated))
     return Cut(
         robot=cfg.robot,
         model=cfg.model,
@@ -73,15 +73,8 @@ def _cut(cfg: ContourCfg, curve: ClosedCurve, imu: ImuCfg | None) -> Cut:
         payload=cfg.payload,
         friction_spread=(cfg.friction_spread or 0.0) * 1e-2,
         **known_state(cfg, cfg.cell.robot),
-        imu=imu,
+        imu=None if measure == "motor" else ImuCfg(),
     )
-
-
-def _refuse_absurd(cfg: ContourCfg, curve: ClosedCurve, runs: int, *, estimated: bool) -> None:
-    """Raise InputError for runs that would take too long or too much memory."""
-    speed = cfg.speed * MM
-    what = f"{runs} runs along {curve.length / MM:.4g} mm at {cfg.speed:g} mm/s"
-    refuse_absurd(what, effort(curve.length, speed, runs, estimated=estimated))
 
 
 def measure(cfg: LaserCfg) -> Measure:

@@ -11,6 +11,7 @@ import json
 import time
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import fields
 from functools import cache, cached_property
 from pathlib import Path
@@ -73,6 +74,18 @@ class Dataset:
         write_whole(file, json.dumps(row))
         if time.monotonic() > self._gathered + EVERY:
             self.gather()
+
+    def keep(self, key: str, job: Any, outcome: Row | Exception) -> str:
+        """See `queue.Results`: of a job that fails, that is the result."""
+        if not isinstance(outcome, Exception):
+            try:
+                self.add(outcome)
+                return outcome["status"]
+            except ValueError as error:  # it fits no dataset, and fails alone
+                outcome = error
+        with suppress(ValueError):
+            self.add(job.failed(outcome))
+        return FAILED
 
     def gather(self) -> None:
         """Bring the Parquet file up to all rows. Raises OSError, and as `read`."""
@@ -164,7 +177,6 @@ def noted(rows: Dataset, keys: Collection[str]) -> tuple[int, str]:
 
 
 def _arrow(hint: Any) -> pa.DataType:
-    """The column type of an option."""
     origin, inner = get_origin(hint), get_args(hint)
     if origin is Annotated:
         return _arrow(inner[0])

@@ -7,7 +7,6 @@ An axis is written `option=value,value`; whole numbers also `first:last+1`, valu
 import re
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from itertools import product
@@ -49,11 +48,6 @@ class Point:
     options: Mapping[str, Any]
     """Options, typed; those left out have their defaults."""
     seed: int
-
-    @property
-    def cost(self) -> float:
-        """Equal: a grid is run in its order."""
-        return 1.0
 
     def run(self) -> Row:
         """The row of its run. An exception becomes the row of a failure."""
@@ -138,7 +132,6 @@ def parse(words: Sequence[str], seed: int) -> Grid:
 
 
 def _values(name: str, text: str) -> dict[Any, str]:
-    """The values of an axis, each with how it was written."""
     hint = _when_given(TYPES[name])
     numbers = {int, float} & {hint, *get_args(hint)}
     words = text.split(",")
@@ -180,7 +173,6 @@ def _value(name: str, word: str) -> Any:
 
 
 def _when_given(hint: Any) -> Any:
-    """The type of an option's value, None apart."""
     parts = [part for part in get_args(hint) if part is not NoneType]
     return parts[0] if NoneType in get_args(hint) else hint
 
@@ -219,11 +211,10 @@ def run_grid(
 
     The rest, the returned counts and the errors are those of `queue.complete`.
     """
-    jobs = {point.key: point for point in points}
     try:
         return complete(
-            jobs,
-            _Rows(rows, jobs),
+            {point.key: point for point in points},
+            rows,
             engine,
             done=lambda _: step(),
             retry_failed=retry_failed,
@@ -231,29 +222,3 @@ def run_grid(
         )
     finally:
         rows.gather()
-
-
-@dataclass(frozen=True)
-class _Rows:
-    """A dataset as a folder of results: of a point that fails, that is the result."""
-
-    dataset: Dataset
-    points: Mapping[str, Point]
-
-    @property
-    def folder(self) -> Path:
-        return self.dataset.folder
-
-    def status(self, key: str) -> str | None:
-        return self.dataset.status(key)
-
-    def keep(self, key: str, outcome: Row | Exception) -> str:
-        if not isinstance(outcome, Exception):
-            try:
-                self.dataset.add(outcome)
-                return outcome["status"]
-            except ValueError as error:  # it fits no dataset, and fails alone
-                outcome = error
-        with suppress(ValueError):
-            self.dataset.add(self.points[key].failed(outcome))
-        return FAILED

@@ -21,11 +21,6 @@ KNOWN, KNOWN_FAILED = "known", "known (failed)"
 class Job(Protocol):
     """A frozen dataclass that can run itself, in any process."""
 
-    @property
-    def cost(self) -> float:
-        """Relative; for the order of jobs and the time left."""
-        ...
-
     def run(self) -> Any:
         """Its result: arrays for a `Store`, a row for a sweep."""
 
@@ -40,7 +35,7 @@ class Results(Protocol):
         """Status of a stored result; None where there is none, or a damaged one."""
         ...
 
-    def keep(self, key: str, outcome: Any) -> str:
+    def keep(self, key: str, job: Any, outcome: Any) -> str:
         """Store the outcome of a job, its result or an exception, and return its status. A killed
         process does not lose what was stored. Raises OSError, such as on a full disk."""
         ...
@@ -126,8 +121,8 @@ def complete(
 
     try:
         while left:
-            for (key, _), outcome in engine.results(run, ours()):
-                counts[results.keep(key, outcome)] += 1
+            for (key, job), outcome in engine.results(run, ours()):
+                counts[results.keep(key, job, outcome)] += 1
                 claims.drop(key)
                 done(key)
             if held and not told:

@@ -11,7 +11,7 @@ from functools import cache
 from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 from zipfile import BadZipFile
 
 import numpy as np
@@ -22,8 +22,8 @@ from armside.sim.records.atomic import atomic
 from armside.sim.records.summary import plain
 
 from ..shell.errors import RunFailed, one_line
+from . import queue
 from .queue import DONE, FAILED, complete
-from .queue import Job as Job
 from .workers import Engine, WorkerDied
 
 Result = dict[str, NDArray[Any]]
@@ -35,6 +35,15 @@ _SUFFIXES = (".py", ".xml", ".toml", ".json", ".npz")
 """Of code, robots, motion programs, designs and policies."""
 _DIGITS = 24
 _UNREADABLE = (OSError, ValueError, KeyError, EOFError, BadZipFile)
+
+
+class Job(queue.Job, Protocol):
+    """A job that results in arrays."""
+
+    @property
+    def cost(self) -> float:
+        """Relative; for the order of jobs and the time left."""
+        ...
 
 
 class Store:
@@ -69,7 +78,7 @@ class Store:
             return None
         return DONE
 
-    def keep(self, key: str, outcome: Any) -> str:
+    def keep(self, key: str, job: Job, outcome: Any) -> str:
         """See `queue.Results`; of an exception nothing is stored."""
         if isinstance(outcome, Exception):
             self.errors[key] = outcome

@@ -19,7 +19,6 @@ from ..shell.errors import InputError, RunFailed, needs, one_line
 from ..shell.interrupts import noticing
 
 Item = TypeVar("Item")
-Result = TypeVar("Result")
 
 RETRIES = 3
 """Of a task whose node of a cluster went away."""
@@ -91,16 +90,6 @@ class Workers:
         finally:
             if running:
                 self.close()
-
-    def map(self, function: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
-        """function(item) of each item, in order; the first exception of any is raised here."""
-        found = dict[int, Result]()
-        for (index, _), outcome in self.results(partial(_of_pair, function), enumerate(items)):
-            if isinstance(outcome, Exception):
-                self.close()
-                raise outcome
-            found[index] = outcome
-        return [found[index] for index in sorted(found)]
 
     def close(self) -> None:
         pool, self._pool = self._pool, None
@@ -174,15 +163,10 @@ def _fill(
 
 
 def _outcome(future: Future[Any]) -> Any:
-    """Result of a task, or the exception that it raised."""
     try:
         return future.result()
     except Exception as error:
         return error
-
-
-def _of_pair(function: Callable[[Item], Result], pair: tuple[int, Item]) -> Result:
-    return function(pair[1])
 
 
 def _call(function: Callable[[Any], Any], item: Any) -> Any:

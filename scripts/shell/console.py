@@ -6,10 +6,10 @@ A table fits the width of the terminal: columns that do not are folded below.
 import math
 import sys
 import textwrap
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from rich import progress as bars
 from rich.console import Console
@@ -23,6 +23,8 @@ from armside.sim.records.summary import dumps
 
 from .options import Common
 
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 NOTHING = "–"
 """Cell of a value that is missing or not finite."""
 _KEYS = 3
@@ -43,6 +45,17 @@ class Report:
         with self._bar(*columns, bars.MofNCompleteColumn(), bars.TimeElapsedColumn()) as bar:
             task_id = bar.add_task(task, total=total)
             yield lambda: bar.advance(task_id)
+
+    def each(
+        self, task: str, function: Callable[[Item], Result], items: Sequence[Item]
+    ) -> list[Result]:
+        """function(item) of each item, below a progress bar."""
+        found = list[Result]()
+        with self.progress(task, len(items)) as step:
+            for item in items:
+                found.append(function(item))
+                step()
+        return found
 
     @contextmanager
     def weighted_progress(self, task: str, total: float) -> Iterator[Callable[[float], None]]:
@@ -75,15 +88,28 @@ class Report:
         if missing and any(cell(value) == NOTHING for row in rows for value in row):
             self.line(f"{NOTHING}: {missing}")
 
-    def notes(self, notes: Iterable[Note]) -> None:
+    def notes(self, notes: Iterable[Note | str]) -> None:
         """Limits and faults that changed what was asked, a line each."""
         for note in notes:
-            self.line(f"Note: {note.line}")
+            self.line(f"Note: {note if isinstance(note, str) else note.line}")
+
+    def lines(self, texts: Iterable[object]) -> None:
+        """A line on stdout for each."""
+        for text in texts:
+            self.line(str(text))
 
     def results(self, summary: Any, path: Path) -> None:
         """The end of a command: folder of its results, and the summary for `--json`."""
         self.line(f"Results in {path}")
         self.summary(summary)
+
+    def texts(self, files: Mapping[str, str], summary: dict[str, Any]) -> None:
+        """Write texts by the names of their files beside the summary, and name them."""
+        with run_folder(summary, self.common) as folder:
+            for name, text in files.items():
+                (folder / name).parent.mkdir(exist_ok=True)
+                (folder / name).write_text(text, encoding="utf-8")
+        self.lines(folder.path / name for name in files)
 
     def line(self, text: str) -> None:
         """One line on stdout."""
@@ -169,7 +195,6 @@ def _wrapped(name: str, values: Sequence[Any]) -> str:
 def _table(
     title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]], shown: Sequence[int]
 ) -> Table:
-    """Text columns to the left, numbers to the right."""
     table = Table(title=Text(title) if title else None, title_justify="left", title_style="bold")
     for index in shown:
         numeric = all(not isinstance(row[index], str) for row in rows)

@@ -64,7 +64,6 @@ class BriefHelp:
 
 
 def _row(entry: "HelpEntry", column: int) -> str:
-    """An option, what it is, its choices and its default."""
     parts = [first_clause(_plain(entry.description))]
     if entry.choices:
         parts = [": ".join(part for part in (*parts, ", ".join(entry.choices)) if part)]
@@ -78,14 +77,12 @@ def _row(entry: "HelpEntry", column: int) -> str:
 
 
 def _label(entry: "HelpEntry") -> str:
-    """Name of an option and the kind of its value, or that of a positional argument."""
     if entry.positional_label:
         return entry.positional_label
     return f"{entry.positive_names[0]} {_short(entry.metavar or '')}".rstrip()
 
 
 def _short(text: str) -> str:
-    """A text with the words of brief help for types of values."""
     return re.sub(r"\b(?:" + "|".join(VALUES) + r")\b", lambda found: VALUES[found[0]], text)
 
 
@@ -96,7 +93,6 @@ def first_clause(text: str) -> str:
 
 
 def _plain(text: Any) -> str:
-    """Characters of what cyclopts hands to a formatter."""
     text = getattr(text, "primary_renderable", text)
     return str(getattr(text, "plain", "" if text is None else text)).strip()
 

@@ -101,11 +101,11 @@ class Stop:
 
 
 @contextmanager
-def noticing(kept: Callable[[], str], at_once: Callable[[], None] = lambda: None) -> Iterator[Stop]:
+def noticing(kept: Callable[[], str]) -> Iterator[Stop]:
     """End the block on a signal where it calls `Stop.check`, or at its end; the first one counts.
     Another error that the block raises after a signal is taken for its consequence.
 
-    kept: the message at the end, which may be empty. at_once: called when a signal comes.
+    kept: the message at the end, which may be empty.
 
     Raises KeyboardInterrupt with this message after a signal.
     """
@@ -117,7 +117,6 @@ def noticing(kept: Callable[[], str], at_once: Callable[[], None] = lambda: None
 
     def note(number: int, _: object) -> None:
         stop.number = stop.number or number
-        at_once()
 
     for number in before:
         signal.signal(number, note)

@@ -5,10 +5,10 @@ the help texts. A configuration checks its own ranges in `__post_init__` with Va
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 from cyclopts import Group, Parameter, Token, convert
 from cyclopts.validators import Number
@@ -20,8 +20,9 @@ from .help import COMMON
 
 options = Parameter(name="*")
 """Decorator: the fields of a dataclass become options of the command itself."""
-LARGEST_SEED = 2**63 - 1
-"""Datasets and other programs hold a seed in 64 bits."""
+SEVERAL = Parameter(consume_multiple=True)
+SOME = Parameter(consume_multiple=True, show_default=False)
+"""Of an option with several values; of one whose default is none, or follows from others."""
 
 
 def _leaves(value: Any) -> Iterator[Any]:
@@ -46,44 +47,82 @@ def read_value(type_: Any, tokens: Sequence[Token]) -> Any:
     return value
 
 
+class Limits(NamedTuple):
+    """Smallest and largest value of an option, and its unit."""
+
+    low: float = -math.inf
+    high: float = math.inf
+    unit: str = ""
+    above: bool = False
+    """The smallest value itself is not allowed."""
+    below: bool = False
+    """The largest value itself is not allowed."""
+
+    def __str__(self) -> str:
+        if math.isinf(self.high):
+            text = f"{'>' if self.above else '>='} {self.low:g}"
+        elif math.isinf(self.low):
+            text = f"at most {self.high:g}"
+        elif self.above or self.below:
+            ends = "(" if self.above else "[", ")" if self.below else "]"
+            text = f"in {ends[0]}{self.low:g}, {self.high:g}{ends[1]}"
+        else:
+            text = f"{self.low:g} to {self.high:g}"
+        return f"{text} {self.unit}".rstrip()
+
+    def check(self, name: str, given: Any) -> None:
+        """Raise ValueError for a number, or one of a tuple, outside of the limits."""
+        for value in given if isinstance(given, tuple) else (given,):
+            within = value is None or self.low <= value <= self.high
+            if (
+                not within
+                or (self.above and value == self.low)
+                or (self.below and value == self.high)
+            ):
+                raise ValueError(f"{name.replace('_', '-')} must be {self}, got {value:g}")
+
+
+def check_limits(cfg: Any, limits: Mapping[str, Limits]) -> None:
+    """Raise ValueError for an option, by its name, that is outside of its limits."""
+    for name, allowed in limits.items():
+        allowed.check(name, getattr(cfg, name))
+
+
+PERCENT = Limits(0.0, 100.0, "%", below=True)
+SEED = Limits(0, 2**63 - 1)
+"""Datasets and other programs hold a seed in 64 bits."""
+
+
 def seed_range(first: int, n: int) -> range:
     """n seeds from the first on. Raises ValueError for one that is too large."""
-    if first + n - 1 > LARGEST_SEED:
-        raise ValueError(f"seeds must be below 2^63, got {n} from {first:.4e} on")
+    SEED.check("seed", first + n - 1)
     return range(first, first + n)
 
 
-def _check_out(_type: Any, out: Path | None) -> None:
-    if out is not None:
-        check_name(out)
-        check_destination(out)
-        check_writable(out)
+def path_checked(*checks: Callable[[Path], object]) -> Callable[[Any, Any], None]:
+    """Validator of an option that may be a path, by functions that raise for one."""
+
+    def check_each(_type: Any, given: Any) -> None:
+        if isinstance(given, Path):
+            for check in checks:
+                check(given)
+
+    return check_each
 
 
-def _check_folder(_type: Any, given: Path | None) -> None:
-    if given is not None:
-        check_shared_folder(given)
-
-
-def check_read(_type: Any, given: object) -> None:
-    """Validator of an option that may name a file to be parsed."""
-    if isinstance(given, Path):
-        check_file(given)
-
-
-def _check_write(_type: Any, given: Path | None) -> None:
-    if given is not None:
-        check_file_to_write(given)
-
-
+check_read = path_checked(check_file)
+"""Validator of an option that may name a file to be parsed."""
 Count = Annotated[int, Parameter(validator=Number(gte=1))]
 """Type of an option that is a number of things, of which there is at least one."""
 FileToRead = Annotated[Path | None, Parameter(validator=check_read)]
 """Type of an option that names a file to be parsed: it must be there, and of a sane size."""
-Folder = Annotated[Path, Parameter(validator=_check_folder)]
+Folder = Annotated[Path, Parameter(validator=path_checked(check_shared_folder))]
 """Type of an option that names a folder, new or not, that files are added to."""
-FileToWrite = Annotated[Path | None, Parameter(validator=_check_write)]
+FileToWrite = Annotated[Path | None, Parameter(validator=path_checked(check_file_to_write))]
 """Type of an option that names a file to write: its folder must be there and writable."""
+
+
+_OUT = Parameter(validator=path_checked(check_name, check_destination, check_writable))
 
 
 @Parameter(name="*", group=Group(COMMON, sort_key=9))
@@ -93,7 +132,7 @@ class Common:
 
     seed: int = 0
     """Seed of every random draw, >= 0: same seed, same bits."""
-    out: Annotated[Path | None, Parameter(validator=_check_out)] = None
+    out: Annotated[Path | None, _OUT] = None
     """Folder for the results, new or empty [default of a run: a new one under runs/]."""
     json: bool = False
     """Print the summary as JSON, and nothing else, on standard output."""
@@ -103,7 +142,4 @@ class Common:
     """Show the traceback of a failure."""
 
     def __post_init__(self) -> None:
-        if self.seed < 0:
-            raise ValueError(f"seed must be >= 0, got {self.seed}")
-        if self.seed > LARGEST_SEED:
-            raise ValueError(f"seed must be below 2^63, got {self.seed:.4e}")
+        SEED.check("seed", self.seed)

@@ -6,10 +6,18 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..shell.options import FileToRead, options
+from ..shell.options import SEVERAL, FileToRead, Limits, check_limits, options
 
-MOST = {"iterations": 10_000, "samples": 100_000, "repeats": 1000}
-"""Largest values: beyond them a comparison takes hours."""
+SAMPLE_TIME = Limits(1e-9, 1e6, "s")
+LIMITS = {
+    "iterations": Limits(0, 10_000),
+    "samples": Limits(1, 100_000),
+    "repeats": Limits(1, 1000),
+    "noise": Limits(0.0, 1e100),
+    "sample_time": SAMPLE_TIME,
+    "wait": Limits(0.0, 1e7, "s"),
+}
+"""Beyond them a comparison takes hours."""
 
 
 @options
@@ -23,7 +31,7 @@ class LearnCfg:
     speaks ABB's or KUKA's protocol to this port), a model's file (JSON, MAT), file.py:Name (a
     System, a model of control, or an object with run(correction)), or a folder that a person
     exchanges files in."""
-    laws: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = ("heuristic",)
+    laws: Annotated[tuple[str, ...], SEVERAL] = ("heuristic",)
     """Laws to compare, each NAME, NAME:key=value,key=value or file.py:Name. Names: heuristic,
     d-type, gradient, inverse, norm-optimal, constrained, adaptive, high-order, periodic,
     disturbance-observer, model-free, splines, knob-free, basis, rational, point-to-point, kalman,
@@ -39,7 +47,7 @@ class LearnCfg:
     """[s], where the plant does not state it."""
     model: FileToRead = None
     """Model that laws and prediction assume, JSON or MAT [default: that of the plant]."""
-    noise: Annotated[tuple[float, ...], Parameter(consume_multiple=True)] = (0.0,)
+    noise: Annotated[tuple[float, ...], SEVERAL] = (0.0,)
     """Standard deviations of white noise on the measured output, each a comparison."""
     repeats: int = 1
     """Repetitions with other noise; the table shows the mean."""
@@ -51,10 +59,7 @@ class LearnCfg:
     `armside export RUN` writes it."""
 
     def __post_init__(self) -> None:
-        for name, most in MOST.items():
-            least = 0 if name == "iterations" else 1
-            if not least <= getattr(self, name) <= most:
-                raise ValueError(f"{name} must be {least} to {most}, got {getattr(self, name)}")
+        check_limits(self, LIMITS)
         if self.reference == "":
             raise ValueError("reference must be step, ramp or the name of a file, got ''")
         if not self.laws or not self.noise:
@@ -63,9 +68,3 @@ class LearnCfg:
             raise ValueError(f"at most a million runs can be asked for, got {work}")
         if len(set(self.laws)) < len(self.laws) or len(set(self.noise)) < len(self.noise):
             raise ValueError("each law and each noise level can be given once")
-        if min(self.noise) < 0.0 or max(self.noise) > 1e100:
-            raise ValueError(f"noise must be 0 to 1e100, got {self.noise}")
-        if self.sample_time is not None and not 1e-9 <= self.sample_time <= 1e6:
-            raise ValueError(f"sample_time must be 1e-9 to 1e6 s, got {self.sample_time:g}")
-        if not 0.0 <= self.wait <= 1e7:
-            raise ValueError(f"wait must be 0 to 1e7 s, got {self.wait:g}")

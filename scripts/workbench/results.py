@@ -50,12 +50,8 @@ def mean_norms(group: Sequence[LawRun]) -> np.ndarray:
     return np.mean(rows, axis=0)
 
 
-def rows(runs: Sequence[LawRun]) -> list[dict[str, Any]]:
-    """Entries of `summary.json`."""
-    return [_entry(run) for run in runs]
-
-
-def _entry(run: LawRun) -> dict[str, Any]:
+def row(run: LawRun) -> dict[str, Any]:
+    """Entry of `summary.json`."""
     predicted = None
     if run.prediction is not None:
         predicted = {
@@ -109,12 +105,10 @@ def show(report: Report, title: str, runs: Sequence[LawRun]) -> None:
 
 
 def _ends(runs: Sequence[LawRun]) -> tuple[int, int]:
-    """First and last iteration of a comparison."""
     return runs[0].first_k, max(run.first_k + len(run.norms) for run in runs) - 1
 
 
 def _show_measures(report: Report, names: Sequence[str], runs: Sequence[LawRun]) -> None:
-    """Table of the measures that are not the learned error, means over repetitions."""
     levels, first_and_last = len({run.noise for run in runs}) > 1, _ends(runs)
     ends = dict(zip(first_and_last, (0, -1), strict=True))
     shown = {name: SHOWN.get(name, (name, 1.0)) for name in names}

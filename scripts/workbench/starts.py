@@ -10,7 +10,7 @@ from armside.ilc.workbench.signals import CsvSignal
 from armside.ilc.workbench.task import along_path
 from armside.sim.controller.stored_correction import REFERENCE, read_correction
 
-from ..cutting.earlier import Earlier, earlier
+from ..cutting.earlier import Earlier, started
 from ..shell.options import Common
 from .options import LearnCfg
 from .plants import named_task, refuse_other_path
@@ -80,10 +80,8 @@ def starts(cfg: LearnCfg, common: Common) -> tuple[LearnCfg, Common, Starts | No
 
     Raises InputError for a folder that is no run of `armside learn`, or without states.
     """
-    if cfg.start is None:
+    start, is_file = cfg.start, cfg.start is not None and cfg.start.is_file()
+    cfg, common, before = started(None if is_file else start, "learn", cfg, common)
+    if start is None:
         return cfg, common, None
-    if cfg.start.is_file():
-        return cfg, common, Starts(cfg.start, None, read_correction(cfg.start))
-    folder = cfg.start
-    cfg, common, before = earlier(folder, "learn", cfg, common)
-    return cfg, common, Starts(folder, before)
+    return cfg, common, Starts(start, before, read_correction(start) if is_file else None)

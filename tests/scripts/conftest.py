@@ -55,11 +55,14 @@ def armside(monkeypatch, tmp_path, capsys):
 def bad_input(armside, tmp_path):
     """Checks that a command line is refused with one clear line, and that nothing is written."""
 
-    def check(line: str, said: str) -> None:
+    def check(line: str, said: str) -> str:
+        before = sorted(tmp_path.rglob("*"))
         status, out, err = armside(line)
         assert (status, out, err.count("\n")) == (2, "", 1)
+        assert err.startswith("armside: ")
         assert said in err
-        assert not list(tmp_path.iterdir())
+        assert sorted(tmp_path.rglob("*")) == before
+        return err
 
     return check
 

@@ -64,31 +64,13 @@ def test_springs_of_another_robot_are_refused(identified, bad_input):
         (lambda springs: springs.update(clock_offset="soon"), "springs.clock_offset"),
     ],
 )
-def test_springs_that_are_not_whole_are_named(change, said, identified, tmp_path, capsys):
+def test_springs_that_are_not_whole_are_named(change, said, identified, tmp_path, bad_input):
     stored = json.loads((identified / "summary.json").read_text())
     change(stored["springs"])
     file = tmp_path / "summary.json"
     file.write_text(json.dumps(stored))
-    args = ["laser", "--measure", "estimate", "--pose", "p2", "--identification", str(tmp_path)]
-    assert main(args) == 2
-    err = capsys.readouterr().err
-    assert said in err
-    assert str(file) in err
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("--law inverse", "--measure estimate"),
-        ("--measure estimate --gamma 1 1 1 1 1 1", "gamma takes one value"),
-        ("--measure estimate --identification nowhere", "no identification"),
-        ("--identification nowhere", "no identification"),
-        ("--measure tracker --stiffness-error 100", "stiffness-error"),
-        ("--path-acceleration 0", "path-acceleration"),
-    ],
-)
-def test_bad_input_is_one_clear_line(words, said, bad_input):
-    bad_input(f"laser {words}", said)
+    line = f"laser --measure estimate --pose p2 --identification {tmp_path}"
+    assert str(file) in bad_input(line, said)
 
 
 def test_learning_from_the_estimate_needs_one_run_to_commission():

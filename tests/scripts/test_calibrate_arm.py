@@ -95,9 +95,9 @@ def test_a_urdf_file_stands_for_its_robot(armside, tmp_path):
         (f"{UR10} --robot ur10 --fraction 1.5", "fraction must be between 0 and 1"),
         (f"{UR10} --robot ur10 --parameters d_2 d_3", "d_3 cannot be told from d_2"),
         (f"{UR10} --robot ur10 --fitted 5", "too few poses"),
-        (f"{UR10} --robot ur10 --prior-length 0", "length must be > 0"),
-        (f"{UR10} --robot ur10 --prior-angle 1.7e308", "prior_angle must be > 0 and <= 10000"),
-        (f"{UR10} --robot ur10 --harmonics -1", "harmonics must be from 0 to 200"),
+        (f"{UR10} --robot ur10 --prior-length 0", "prior-length must be in (0, 10000] mm"),
+        (f"{UR10} --robot ur10 --prior-angle 1.7e308", "prior-angle must be in (0, 10000] mrad"),
+        (f"{UR10} --robot ur10 --harmonics -1", "harmonics must be 0 to 200, got -1"),
         (f"{UR10}", "robot"),
     ],
 )

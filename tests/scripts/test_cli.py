@@ -139,7 +139,7 @@ BAD_INPUT = {
     "probe --iterations nan": "nan",
     "probe --end odd": 'Choose from: "done", "diverged"',
     "probe --end no-file": "no-such-model.xml",
-    "probe --seed -1": "seed must be >= 0, got -1",
+    "probe --seed -1": "seed must be 0 to 9.22337e+18, got -1",
     "probe --seed 0.5": "whole number",
     "probe --no-json": "Unknown option",
     "probe --out full": "full is not empty",
@@ -151,24 +151,12 @@ BAD_INPUT = {
 
 
 @pytest.mark.parametrize("line", BAD_INPUT)
-def test_bad_input_is_one_line_and_status_2_and_nothing_is_written(armside, tmp_path, line):
+def test_bad_input_is_one_line_and_status_2_and_nothing_is_written(bad_input, tmp_path, line):
     full = tmp_path / "full"
     full.mkdir()
     (full / "file").write_text("kept")
-    before = sorted(tmp_path.rglob("*"))
-    status, out, err = armside(line)
-    assert status == 2
-    assert out == ""
-    assert err.startswith("armside: ")
-    assert err.count("\n") == 1
-    assert BAD_INPUT[line] in err
-    assert sorted(tmp_path.rglob("*")) == before
+    bad_input(line, BAD_INPUT[line])
     assert (full / "file").read_text() == "kept"
-
-
-def test_bad_input_also_ends_a_process_with_status_2(armside_process):
-    status, out, err = armside_process("probe --radius nan")
-    assert (status, out, err.count("\n")) == (2, "", 1)
 
 
 def test_a_current_folder_is_not_replaced_even_if_empty(armside):
@@ -202,13 +190,6 @@ def test_a_diverged_run_keeps_its_folder_and_ends_with_status_1(armside, tmp_pat
     status, _, err = armside("probe --end diverged --out kept")
     assert (status, err) == (1, "armside: diverged at k = 3\n")
     assert (tmp_path / "kept" / "summary.json").exists()
-
-
-def test_an_interrupted_run_says_so_and_leaves_nothing(armside_process, tmp_path):
-    status, out, err = armside_process("probe --end interrupted")
-    assert (status, out) == (130, "")
-    assert err == "armside: interrupted, nothing was kept\n"
-    assert [path.name for path in tmp_path.rglob("*")] == ["runs"]
 
 
 @pytest.mark.parametrize("option", ["", " --out wanted"])
@@ -287,10 +268,3 @@ def test_a_piped_run_prints_its_table_and_no_progress(armside):
     status, out, err = armside("probe")
     assert (status, err) == (0, "")
     assert "0.0625" in out
-
-
-@pytest.mark.parametrize(
-    "line", ["laser --out=", "sweep gamma=1 --into=", "laser --contour=", "convert run --file="]
-)
-def test_an_empty_path_is_not_the_working_folder(bad_input, line):
-    bad_input(line, "must name a file or a folder, got an empty text")

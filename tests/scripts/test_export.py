@@ -56,30 +56,6 @@ def test_summary_counts_the_operations(armside):
     assert found["config"]["robot"] == "large"
 
 
-def test_unknown_choices_are_bad_input_and_write_nothing(armside, tmp_path):
-    for line in ("export --to cobol", "export --what dance", "robot model --robot r2d2"):
-        status, _, err = armside(line)
-        assert status == 2
-        assert "Choose from" in err or "It can be: irb1400" in err
-    assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (
-            "--to csv",
-            "--to of a robot is c, matlab, fortran, python, latex, urdf, mjcf, got csv: give",
-        ),
-        ("--what tool-path", "--what of a robot is pose, jacobian"),
-        ("--rate 100", "--rate is of a run: give its folder"),
-        ("--law heuristic", "--law is of a run"),
-    ],
-)
-def test_options_of_a_run_need_one(words, said, bad_input):
-    bad_input(f"export {words}", said)
-
-
 def test_model_prints_table_zero_pose_reach_and_singularities(armside):
     status, out, _ = armside("robot model")
     assert status == 0

@@ -110,42 +110,10 @@ def test_the_other_motions_leave_their_figures(motion, tmp_path):
         ),
     ],
 )
-def test_a_bad_program_is_bad_input(text, words, tmp_path, capsys):
+def test_a_bad_program_is_bad_input(text, words, tmp_path, bad_input):
     """Unknown instruction, out of reach, zero speed, the linkage's range, a joint limit, a line."""
-    program, out = tmp_path / "bad.toml", tmp_path / "out"
-    program.write_text(text)
-    assert main(["imu", "--program", str(program), "--out", str(out)]) == 2
-    complaint = capsys.readouterr().err
-    assert complaint.count("\n") == 1
-    assert "bad.toml" in complaint
-    assert words in complaint
-    assert not out.exists()
-
-
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [
-        ("--program missing.toml", "missing.toml"),
-        ("--robot large --motion sequential", "simultaneous"),
-        ("--robot large --motion rest", "brakes"),
-        ("--cutoff 60", "below 50 Hz"),
-        ("--accelerometer-delay -1", "from 0 to 500 ms"),
-        ("--motion rest --on 1", "at least 3 s"),
-        ("--motion rest --off 1000", "off must be > 0 and at most 600 s, got 1000"),
-        ("--imu-rate 5", "imu-rate must be 10 to 1000 Hz, got 5"),
-        ("--gyroscope-noise 11", "gyroscope-noise must be 0 to 10 deg/s a root Hz"),
-        ("--recordings . --clock-offset 3", "--clock-offset is of the virtual robot"),
-        ("--recordings nowhere --robot ur10", "nowhere is no folder"),
-        ("--recordings . --robot ur10", "no recording of a known form"),
-        ("--recordings . --robot ur11", "ur11"),
-        ("--recordings . --robot ur10 --motion rest", "--motion is of the virtual robot"),
-        ("--recordings . --robot ur10 --cutoff 0", "cutoff must be"),
-        ("--recordings . --robot ur10 --cutoff 49", "cutoff must be"),
-        ("--robot ur10", "Robots: large, irb1400"),
-    ],
-)
-def test_bad_options_are_bad_input(bad_input, line, said):
-    bad_input(f"imu {line} --out out", said)
+    (tmp_path / "bad.toml").write_text(text)
+    assert "bad.toml" in bad_input("imu --program bad.toml --out out", words)
 
 
 def test_the_unit_is_that_of_its_options_and_by_default_of_the_configuration():

@@ -8,7 +8,7 @@ import pytest
 
 from armside import assets
 from armside.scripts.cli import main
-from armside.scripts.cutting.comparison import CompareCfg, cases
+from armside.scripts.cutting.comparison import CompareCfg, cases_of
 from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.specification import cut
 from armside.scripts.jobs.dataset import schema
@@ -94,7 +94,7 @@ def test_identify_judges_by_the_springs_and_hinges_of_the_individual():
 def test_compare_cuts_with_the_individual_of_its_options():
     options = {"poses": ("p1",), "speeds": (40.0,), "without": ("ripple",)}
     cfg = CompareCfg(individual=NUMBER, friction_drift=-5.0, temperature=40.0, **options)
-    (case,) = cases(cfg, 0)
+    (case,) = cases_of(cfg, 0)
     assert (case.cut.individual, case.cut.friction_drift) == (Drawn(NUMBER), -0.05)
     assert case.cut.temperature == 40.0
 
@@ -140,36 +140,6 @@ def test_resolved_options_say_the_temperature_of_the_model_and_no_spread_of_an_i
 # Bad input
 
 
-@pytest.mark.parametrize("command", ["laser", "identify", "compare"])
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("--individual -1", "individual must be >= 0"),
-        ("--individual 1.5", "whole number"),
-        ("--individual nobody.toml", "nobody.toml does not exist"),
-        ("--individual .", ". is a folder, not a file"),
-        ("--friction-drift -100", "friction-drift must be in (-100, 1000] %, got -100"),
-        ("--friction-drift 1e308", "friction-drift must be in"),
-        ("--friction-drift nan", "finite"),
-        ("--temperature 20", "temperature must be from 26 to 80 deg C, got 20"),
-        ("--temperature 40 --without load-friction", "temperature acts through load-friction"),
-    ],
-)
-def test_bad_individuals_are_refused_in_one_line(command, words, said, bad_input):
-    bad_input(f"{command} {words}", said)
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("--individual 0 --friction-spread 2", "friction-spread does not apply to an individual"),
-        ("--robot irb1400 --temperature 40", "temperature needs friction that depends on load"),
-    ],
-)
-def test_options_that_do_not_go_together_are_refused(words, said, bad_input):
-    bad_input(f"laser {words}", said)
-
-
 @pytest.mark.parametrize(
     ("text", "robot", "said"),
     [
@@ -178,12 +148,6 @@ def test_options_that_do_not_go_together_are_refused(words, said, bad_input):
         ("springs = 3", "large", "the file has the unknown key 'springs'"),
     ],
 )
-def test_a_file_that_does_not_fit_its_robot_is_refused(
-    text, robot, said, tmp_path_factory, armside
-):
-    file = tmp_path_factory.mktemp("files") / "mine.toml"
-    file.write_text(text)
-    status, out, err = armside(f"laser --individual {file} --robot {robot}")
-    assert (status, out, err.count("\n")) == (2, "", 1)
-    assert err.startswith("armside: ")
-    assert said in err
+def test_a_file_that_does_not_fit_its_robot_is_refused(text, robot, said, tmp_path, bad_input):
+    (tmp_path / "mine.toml").write_text(text)
+    bad_input(f"laser --individual mine.toml --robot {robot}", said)

@@ -72,3 +72,12 @@ def test_a_law_on_the_nominal_robot_learns_motors_and_no_twin():
         LaserCfg(law="simulated", measure="tracker")
     with pytest.raises(ValueError, match="learns on the nominal robot: give no twin with it"):
         LaserCfg(law="simulated", twin=Path("twin"))
+
+
+@pytest.mark.parametrize(
+    ("given", "cutoff"), [({}, None), ({"cutoff": (13.0,)}, None), ({"cutoff": (10.0,)}, 10.0)]
+)
+def test_the_default_pass_band_follows_the_arm_and_another_cutoff_is_kept(given, cutoff):
+    law = measure(LaserCfg(robot="irb1400", measure="estimate", **given)).law
+    assert law.cutoff == cutoff
+    assert not LaserCfg(robot="irb1400").up_to_mode  # motors have no pass band of an arm

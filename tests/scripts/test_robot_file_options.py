@@ -9,7 +9,7 @@ from armside import assets
 from armside.scripts.commands.imu import ImuOptions
 from armside.scripts.commands.measure import MeasureCfg, gears
 from armside.scripts.commands.train import TrainCfg
-from armside.scripts.cutting.comparison import CompareCfg, cases
+from armside.scripts.cutting.comparison import CompareCfg, cases_of
 from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.part_options import CutCfg
 from armside.scripts.jobs.grid import parse
@@ -105,7 +105,7 @@ def test_each_refuses_a_file_whose_table_is_not_its_model(longer):
 
 def test_a_comparison_is_of_the_poses_of_its_robot(robot):
     cfg = CompareCfg(robot=str(robot), speeds=(40.0,))
-    assert [case.cut.pose for case in cases(cfg, 0)] == ["p1", "p2", "p3"]
+    assert [case.cut.pose for case in cases_of(cfg, 0)] == ["p1", "p2", "p3"]
     with pytest.raises(ValueError, match="Unknown pose 'p9'"):
         CompareCfg(robot=str(robot), poses=("p9",))
 

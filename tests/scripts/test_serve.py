@@ -52,18 +52,3 @@ def test_without_a_client_it_ends_in_one_line(capsys, tmp_path):
     assert main(["serve", "--idle", "0.1", "--port", str(free_port()), *out]) == 1
     assert capsys.readouterr().err.strip().endswith("no client completed a run within 0.1 s")
     assert not (tmp_path / "served").exists()
-
-
-@pytest.mark.parametrize(
-    ("line", "reason"),
-    [
-        ("--port 70000", "port must be a whole number from 1 to 65535"),
-        ("--port 0", "from 1 to 65535, got 0"),
-        ("--program dance", "Unknown program 'dance'"),
-        ("--relative", "--protocol rsi"),
-        ("--host no.such.host.invalid", "unknown host"),
-        ("--seconds 1e9", "seconds must be 0.1 to 600"),
-    ],
-)
-def test_wrong_options_are_named(bad_input, line, reason):
-    bad_input(f"serve {line}", reason)

@@ -34,7 +34,7 @@ from .sweep_engine import Serial, failing_with, quick, start
         (("law=inverse", "measure=estimate", "cutoff=-1"), "cutoff=-1: cutoff must be above 0"),
         (("position=1/2",), "position=1/2: Incorrect number"),
         (("contour=a/missing.toml",), "missing.toml: .* No such file"),
-        (("seed=-1,0",), "seed=-1: seed must be >= 0"),
+        (("seed=-1,0",), r"seed=-1: seed must be 0 to 9.22337e\+18"),
         (("gamma=1", "gamma=2"), "gamma is given twice"),
         (("delta=3,3",), "has a value twice"),
         (("delta=1.5",), "must be a whole number"),
@@ -58,13 +58,9 @@ def test_an_axis_that_makes_no_sense_is_refused(axes, message):
         ("pose=p1,p9", "Unknown pose 'p9'"),
     ],
 )
-def test_bad_input_is_one_line(armside, tmp_path, options, message):
+def test_bad_input_is_one_line(bad_input, tmp_path, options, message):
     (tmp_path / "file").touch()
-    status, out, err = armside(f"sweep {options}")
-    assert (status, out) == (2, "")
-    assert message in err
-    assert err.count("\n") == 1
-    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+    bad_input(f"sweep {options}", message)
 
 
 def test_the_engine_is_asked_before_the_grid_is_built(armside, monkeypatch):

@@ -10,15 +10,8 @@ from armside.scripts.cli import COMMANDS
 
 EXTRAS = (
     *("shapely", "ezdxf", "svgelements", "optuna", "cmaes", "control", "h5py", "mcap", "psycopg"),
-    *(
-        "ray",
-        "stable_baselines3",
-        "google",
-        "pinocchio",
-        "roboticstoolbox",
-        "hypothesis",
-        "rosbags",
-    ),
+    *("ray", "stable_baselines3", "google", "pinocchio", "roboticstoolbox", "hypothesis"),
+    "rosbags",
 )
 BARE = f"""
 import sys
@@ -50,12 +43,6 @@ def run(code: str, *words: str, cwd=None) -> str:
 def test_every_command_shows_its_help_without_extras():
     shown = f"assert not any(main([name, '--help']) for name in {list(COMMANDS)})"
     run(f"from armside.scripts.cli import main\n{shown}")
-
-
-def test_a_part_without_the_extra_is_one_line(tmp_path):
-    (tmp_path / "part.dxf").touch()
-    with pytest.raises(AssertionError, match=r"armside: .*pip install 'armside\[parts\]'"):
-        run(MAIN, "cut", "part.dxf", cwd=tmp_path)
 
 
 @pytest.mark.parametrize(

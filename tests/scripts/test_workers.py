@@ -16,7 +16,7 @@ from armside.scripts.jobs.dataset import Dataset
 from armside.scripts.jobs.grid import Grid, Point, parse, run_grid
 from armside.scripts.jobs.workers import WorkerDied, Workers
 
-from .sweep_engine import AXES, Serial, start, wait_for
+from .sweep_engine import AXES, Serial, quick, start, wait_for
 
 
 def test_ctrl_c_in_a_terminal_is_one_line(tmp_path):
@@ -29,23 +29,15 @@ def test_ctrl_c_in_a_terminal_is_one_line(tmp_path):
     assert f"{kept} of 8 configurations are kept".encode() in err
 
 
-@pytest.fixture
-def probe(monkeypatch):
-    """Module of jobs that run no experiment."""
-    monkeypatch.syspath_prepend(Path(__file__).parent)
-    return importlib.import_module("sweep_probe")
-
-
-def test_a_sweep_claims_no_more_than_it_works_on(tmp_path, probe):
-    grid = [probe.Quick(point) for point in parse(("delta=1:21",), 0)]
+def test_a_sweep_claims_no_more_than_it_works_on(tmp_path):
     held = []
 
-    def look():
+    def look(point):
         held.append(len(list((tmp_path / ".claims").iterdir())))
+        return quick(point)
 
-    with Workers(2) as workers:
-        run_grid(grid, Dataset(tmp_path), workers, look)
-    assert max(held) <= 2
+    run_grid(parse(("delta=1:21",), 0), Dataset(tmp_path), Serial(look))
+    assert held == [1] * 20
 
 
 def test_killed_at_random_it_loses_nothing_and_leaves_no_process_behind(tmp_path, whole):
@@ -79,10 +71,12 @@ def _members(session):
     return found
 
 
-def test_a_worker_that_dies_takes_only_its_own_point_with_it(tmp_path, probe):
-    grid = [probe.DiesWithSeed1(point) for point in Grid({"speed": (60.0,), "seed": range(5)})]
-    with Workers(2) as workers:
-        counts = run_grid(grid, Dataset(tmp_path), workers)
+def test_a_worker_that_dies_takes_only_its_own_point_with_it(tmp_path):
+    def dies_with_seed_1(point):
+        return WorkerDied() if point.seed == 1 else quick(point)
+
+    grid = Grid({"speed": (60.0,), "seed": range(5)})
+    counts = run_grid(grid, Dataset(tmp_path), Serial(dies_with_seed_1))
     assert counts == {"done": 4, "failed": 1}
     (row,) = [r for r in Dataset(tmp_path).read().to_pylist() if r["status"] == "failed"]
     assert (row["seed"], row["error"]) == (1, "a worker process was killed (out of memory?)")
@@ -95,25 +89,11 @@ def test_a_point_survives_the_way_to_a_worker():
     assert pickle.loads(pickle.dumps(point)) == point
 
 
-HERE = Path(__file__).parent
-
-
 @pytest.fixture
 def ends(monkeypatch):
-    """A function that takes its process along for a negative number."""
-    monkeypatch.syspath_prepend(HERE)
+    """Square root, which takes its process along for a negative number."""
+    monkeypatch.syspath_prepend(Path(__file__).parent)
     return importlib.import_module("sweep_probe").root_or_end
-
-
-def test_results_come_in_the_order_of_the_items():
-    with Workers(2) as workers:
-        assert workers.map(math.sqrt, [9.0, 4.0, 1.0]) == [3.0, 2.0, 1.0]
-        assert workers.map(math.sqrt, [16.0]) == [4.0]
-
-
-def test_an_exception_is_raised_where_the_results_are_asked_for():
-    with Workers(2) as workers, pytest.raises(ValueError, match=r"math domain|nonnegative"):
-        workers.map(math.sqrt, [1.0, -1.0, 4.0])
 
 
 def test_items_are_taken_when_they_can_start():
@@ -134,9 +114,9 @@ def test_a_process_that_dies_is_named_and_the_others_have_results(ends):
         outcomes = dict(workers.results(ends, [4.0, -1.0, 9.0]))
         assert (outcomes[4.0], outcomes[9.0]) == (2.0, 3.0)
         assert isinstance(outcomes[-1.0], WorkerDied)
-        with pytest.raises(WorkerDied, match="killed"):
-            workers.map(os._exit, [1])
-        assert workers.map(math.sqrt, [4.0]) == [2.0]
+        outcomes = dict(workers.results(math.sqrt, [4.0, -1.0]))
+        assert outcomes[4.0] == 2.0
+        assert isinstance(outcomes[-1.0], ValueError)
 
 
 def test_an_interruption_does_not_wait_for_tasks_in_flight():
@@ -163,9 +143,9 @@ from armside.scripts.shell.interrupts import SIGNALS
 SIGNALS.handle()
 try:
     with Workers(2) as workers:
-        workers.map(len, ["started"])
+        list(workers.results(len, ["started"]))
         print("started", flush=True)
-        workers.map(time.sleep, [100.0, 100.0])
+        list(workers.results(time.sleep, [100.0, 100.0]))
 finally:
     SIGNALS.ignore()
 """
