@@ -10,7 +10,7 @@ STUBS := typings/mujoco-stubs
 names = $(subst _,-,$(filter-out _% test_%,$(basename $(notdir $(sort $(wildcard tests/$(1)/*.py))))))
 claims = $(shell grep -o '^CLAIM[A-Z0-9_]* =' tests/claims/*.py | sed 's|.*/||; s| =||; s|.py:CLAIM||' | tr A-Z_ a-z- | sort)
 
-.PHONY: help run test docs mutants claims bench pictures calibration contract house clean
+.PHONY: help run test docs mutants claims bench pages pictures calibration contract house clean
 .DELETE_ON_ERROR:
 
 run: $(VENV)/.installed
@@ -23,6 +23,7 @@ help:
 	@echo 'make mutants              deliberate faults that the tests notice: docs/mutation.md, hours'
 	@echo 'make claims   [NAME=...] [SEEDS=n] [SEED=first]   claims over seeds: docs/claims, hours'
 	@echo 'make bench    [NAME=...]  seconds on this machine, beside other libraries if installed'
+	@echo 'make pages    [NAME=...]  the numbers of README and docs, by their commands'
 	@echo 'make pictures [NAME=...]  the pictures of the docs: docs/images'
 	@echo 'make calibration [GENERATIONS=n]   the unknown numbers of the large robot'
 	@echo 'make house                size and structure of the project: docs/house.md'
@@ -37,6 +38,9 @@ claims: $(VENV)/.installed-test
 
 bench: $(VENV)/.installed-test
 	$(BIN)/python -m tests.benchmarks $(NAME)
+
+pages: $(VENV)/.installed-test
+	$(BIN)/python -m tests.pages $(NAME)
 
 pictures: $(VENV)/.installed-test
 	$(BIN)/python -m tests.gallery $(NAME)

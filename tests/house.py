@@ -17,7 +17,7 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter, defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -107,9 +107,9 @@ def lines(files: list[Path]) -> int:
 class House:
     """A tree of the project."""
 
-    def __init__(self, root: Path) -> None:
+    def __init__(self, root: Path, packages: Sequence[str] = PACKAGES) -> None:
         self.root = root
-        self.files = [file for name in PACKAGES for file in python_files(root / name)]
+        self.files = [file for name in packages for file in python_files(root / name)]
         self.trees = {f: ast.parse(source(f)) for f in self.files}
         self.module = {self._name(file): file for file in self.files}
         self.imported = {file: set(self._imported(file)) for file in self.files}

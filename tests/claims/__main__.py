@@ -14,6 +14,7 @@ from armside.sim.records.atomic import write_whole
 from armside.sim.records.summary import summary
 
 from .. import evidence
+from ..pages._engine import claim_file, code
 from ._engine import Claim, judged
 from ._pages import command, index, page
 
@@ -50,7 +51,8 @@ def _judge(name: str, n_seeds: int, first: int, docs: Path, as_json: bool) -> in
     outcome = summary("claims", {"name": name}, {"seeds": len(seeds), "seed": first}, table={
         "title": table.title, "columns": table.columns, "rows": table.rows, "verdicts": verdicts,
     }, notes=table.notes)  # fmt: skip
-    text = page(table, made_by, outcome["config"]["versions"])
+    versions = outcome["config"]["versions"] | {"code": code([claim_file(name)])}
+    text = page(table, made_by, versions)
     docs.mkdir(parents=True, exist_ok=True)
     write_whole(docs / f"{name}.md", text)
     if claim.figure is not None:

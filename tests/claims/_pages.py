@@ -25,7 +25,10 @@ def command(name: str, n_seeds: int, seed: int) -> str:
 
 
 def page(table: Table, made_by: str, versions: Mapping[str, str]) -> str:
-    """The command that made it, the verdicts, and every row."""
+    """The command that made it, the verdicts, and every row.
+
+    versions: of libraries by name, and the digest of the code.
+    """
     listed = ", ".join(f"{name} {number}" for name, number in versions.items())
     verdicts = [f"- {'holds' if v.holds else '**fails**'}: {v.statement}" for v in table.verdicts]
     head = [f"# {table.title}", "", f"Written by `{made_by}` with {listed}.", ""]
