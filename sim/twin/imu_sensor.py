@@ -21,7 +21,7 @@ from armside.arrays import Array
 from armside.ilc.filters import ZeroPhaseButterworth
 
 from ..estimation.imu_health import ImuError, repaired
-from ..estimation.observer import ENCODER_FILTER
+from ..estimation.rigid_motion import ENCODER_FILTER
 from ..instruments.imu import ImuCfg, ImuSamples, TriadCfg
 from ..robot.mjcf import N_AXES
 from ..robot.model import RobotModel

@@ -17,7 +17,6 @@ from armside.sim.estimation.commissioning import UNIDENTIFIED, commission
 from armside.sim.estimation.deflection import deflection
 from armside.sim.estimation.elasticity import ArmParameters
 from armside.sim.estimation.estimator import ToolEstimator, tool_path
-from armside.sim.estimation.extended_arm import ExtendedArm
 from armside.sim.estimation.imu_health import ImuError, repaired
 from armside.sim.estimation.linearised_arm import linearised
 from armside.sim.estimation.nominal import NominalCfg, nominal_arm
@@ -30,6 +29,7 @@ from armside.sim.laser.path_error import path_error, rigid_path
 from armside.sim.motion.contour import slot
 from armside.sim.robot.model import load_model
 
+from .extended_arm import ExtendedArm
 from .one_cut import CUT, IMU, MEASURE, assumed, commissioned, kept, spread
 
 ROBOT = load_model(LARGE_ROBOT_XML)

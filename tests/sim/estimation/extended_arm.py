@@ -18,12 +18,12 @@ from armside.ilc.estimation.extended import ExtendedResult, extended
 from armside.ilc.estimation.process import exponential, sampled_noise
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.kinematics.robots import IMU_LINKS
-
-from ..instruments.imu import ImuSamples
-from .arm_filter import ArmFilter, arm_filter
-from .estimator import ToolEstimator
-from .imu_health import REST
-from .observer import ENCODER_FILTER, at_rest
+from armside.sim.estimation.arm_filter import ArmFilter, arm_filter
+from armside.sim.estimation.estimator import ToolEstimator
+from armside.sim.estimation.imu_health import REST
+from armside.sim.estimation.linearised_arm import at_rest
+from armside.sim.estimation.rigid_motion import ENCODER_FILTER
+from armside.sim.instruments.imu import ImuSamples
 
 STEP = 0.0025
 """Step of the filter [s]; divides the period of the log and of a 100 Hz IMU as nearly as its clock
