@@ -28,7 +28,7 @@ from armside.sim.twin.recordings import (
     read_cut,
 )
 from armside.sim.twin.simulation import design_of
-from armside.sim.twin.tool_sensor import ResidualScale
+from armside.sim.twin.tool_sensor import ToolSensor
 
 from ..cutting.options import LARGEST, IndividualCfg, robot_state
 from ..shell.console import Report
@@ -102,7 +102,7 @@ def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common(
         figures.friction(folder / "friction.png", found, recorded)
         figures.residuals(folder / "residuals.png", found, recorded)
     report.notes(notes)
-    _show(report, outcome, SENSORS[cfg.measure].scale)
+    _show(report, outcome, SENSORS[cfg.measure])
     report.results(outcome, folder.path)
 
 
@@ -207,12 +207,12 @@ def _results(found: CommissionedTwin) -> dict[str, Any]:
     }
 
 
-def _show(report: Report, outcome: dict[str, Any], scale: ResidualScale) -> None:
+def _show(report: Report, outcome: dict[str, Any], sensor: ToolSensor) -> None:
     rows = [
-        [c["name"], _on(scale, c["within"]), _on(scale, c["held_out"])] for c in outcome["cuts"]
+        [c["name"], _on(sensor, c["within"]), _on(sensor, c["held_out"])] for c in outcome["cuts"]
     ]
     columns = ["cut", "in the identification", "held out"]
-    report.table(f"What the twin leaves of the {scale.quantity} [{scale.unit}]", columns, rows)
+    report.table(f"What the twin leaves of the {sensor.quantity} [{sensor.unit}]", columns, rows)
     unknown, every = outcome["not_identified"], len(outcome["parameters"])
     kinds = sorted({name.split(" ")[0] for name in unknown})
     report.line(
@@ -221,5 +221,5 @@ def _show(report: Report, outcome: dict[str, Any], scale: ResidualScale) -> None
     )
 
 
-def _on(scale: ResidualScale, value: float | None) -> float | str:
-    return "-" if value is None else scale.factor * value
+def _on(sensor: ToolSensor, value: float | None) -> float | str:
+    return "-" if value is None else sensor.factor * value

@@ -78,17 +78,16 @@ def residuals(file: Path, found: CommissionedTwin, cuts: Sequence[MeasuredCut]) 
     figure = new_figure(width, 4.0)
     axes = figure.add_subplot()
     figure.subplots_adjust(left=0.7 / width, right=1.0 - 0.1 / width, bottom=0.13, top=0.8)
-    scale = sensor.scale
     title = (
-        f"{scale.quantity.capitalize()} beyond that of its motors: what a model does not explain"
+        f"{sensor.quantity.capitalize()} beyond that of its motors: what a model does not explain"
     )
     figure.suptitle(title, x=0.02, ha="left", fontsize=10)
     place = np.arange(len(cuts))
     for i, (label, values, color) in enumerate(bars):
-        heights = scale.factor * np.asarray(values)
+        heights = sensor.factor * np.asarray(values)
         bars_of = axes.bar(place + 0.27 * (i - 1), heights, 0.25, color=color, label=label)
         axes.bar_label(bars_of, [_short(height) for height in heights], fontsize=7, padding=1)
-    axes.set_ylabel(f"RMS [{scale.unit}]")
+    axes.set_ylabel(f"RMS [{sensor.unit}]")
     axes.set_xticks(place, [cut.name for cut in cuts], rotation=20 if len(cuts) > 6 else 0)
     axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=9)
     save(figure, file)

@@ -9,14 +9,13 @@ from armside.arrays import Array
 
 from ..robot.individual import Individual
 from .identification import Identification, IdentifiedParameters, identify
-from .imu_sensor import ImuSensor
+from .imu_sensor import IMU
 from .recordings import ImplausibleError, MeasuredCut, SensorName
 from .simulation import RobotDesign, design_of, robot_digest
-from .tool_sensor import TRACKER, ResidualScale, ToolSensor
+from .tool_sensor import TRACKER, ToolSensor
 from .twin import Twin
 
-SENSORS: Mapping[SensorName, ToolSensor] = {"tracker": TRACKER, "imu": ImuSensor()}
-
+SENSORS: Mapping[SensorName, ToolSensor] = {"tracker": TRACKER, "imu": IMU}
 
 _LARGEST_ERROR = 0.02
 """[rad], of a motor from its reference: ten times what a cut at full speed shows. ESTIMATE."""
@@ -101,7 +100,7 @@ def commission(
     for cut in cuts:
         check(design, cut, sensor)
     found = identify(design, cuts, cfg, progress, sensor=sensor)
-    _check_agreement(cuts, found, sensor.scale)
+    _check_agreement(cuts, found, sensor)
     twin = Twin(
         robot=robot,
         digest=robot_digest(robot),
@@ -109,7 +108,7 @@ def commission(
         sensor=measure,
         theta=found.theta,
         covariance=found.covariance,
-        held_out=sensor.scale.displacement * found.quality.held_out,
+        held_out=sensor.displacement * found.quality.held_out,
         torque_residual=np.sqrt(np.mean(found.quality.torque**2, axis=0)),
         names=tuple(cut.name for cut in cuts),
     )
@@ -117,16 +116,16 @@ def commission(
 
 
 def _check_agreement(
-    cuts: Sequence[MeasuredCut], found: IdentifiedParameters, scale: ResidualScale
+    cuts: Sequence[MeasuredCut], found: IdentifiedParameters, sensor: ToolSensor
 ) -> None:
     """Raise ImplausibleError for a cut that the twin of the others does not explain at all."""
     left = found.quality.held_out
     worst = int(np.nan_to_num(left).argmax())
     usual = float(np.median(left))
-    if len(cuts) > 2 and left[worst] > max(scale.unsuspicious, _OUTLIER * usual):
-        much, little = scale.factor * left[worst], scale.factor * usual
+    if len(cuts) > 2 and left[worst] > max(sensor.unsuspicious, _OUTLIER * usual):
+        much, little = sensor.factor * left[worst], sensor.factor * usual
         raise ImplausibleError(
             f"{cuts[worst].name} contradicts the other cuts: a twin of those leaves "
-            f"{much:.3g} {scale.unit} of the {scale.quantity}, {little:.3g} is usual; leave it "
+            f"{much:.3g} {sensor.unit} of the {sensor.quantity}, {little:.3g} is usual; leave it "
             "out, or cut it again"
         )

@@ -1,16 +1,15 @@
 """Correction for the first run of a cut, with the error to expect and a guard."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from armside.arrays import Array
 
-from ..laser.experiment import Experiment, prepare
-from ..laser.specification import Cut
+from ..laser.experiment import Experiment
 from ..robot.individual import Individual
-from .learning import TwinLearning, learn_in_twin
+from .learning import learn_in_twin
 from .prediction import Evidence, FirstCutPrediction, errors, predicted
 from .simulation import RobotDesign, motor_path
 
@@ -43,27 +42,8 @@ def correct(
     design: RobotDesign,
     individual: Individual,
     around: Sequence[Individual],
-    cut: Cut,
-    evidence: Evidence,
-    cfg: TwinLearning = TwinLearning(),
-) -> Corrected:
-    """Learn a cut inside a twin and predict what its correction leaves.
-
-    Args: as of `correct_experiment`.
-    """
-    nominal = design.nominal if design.payload is None else None
-    plain = replace(cut, individual=None, friction_spread=0.0)
-    experiment = prepare(plain, nominal=nominal)
-    return correct_experiment(design, individual, around, experiment, evidence, cfg)
-
-
-def correct_experiment(
-    design: RobotDesign,
-    individual: Individual,
-    around: Sequence[Individual],
     experiment: Experiment,
     evidence: Evidence,
-    cfg: TwinLearning = TwinLearning(),
 ) -> Corrected:
     """Learn the motion of an experiment inside a twin and predict what its correction leaves.
 
@@ -71,7 +51,7 @@ def correct_experiment(
         around: individuals that commissioning cannot tell from the twin.
         evidence: what the twin was identified from.
     """
-    learned = learn_in_twin(design, individual, experiment, cfg)
+    learned = learn_in_twin(design, individual, experiment)
     spread = errors(design, around, experiment, learned.correction)
     prediction = predicted(float(learned.rms[0]), float(learned.rms.min()), spread, evidence)
     reason = _objection(prediction)

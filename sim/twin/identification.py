@@ -49,7 +49,7 @@ class Quality:
     """Residuals that a twin leaves of the cuts it was identified from."""
 
     scales: Array
-    """Of torque residuals [N m], motor side, and of each channel of the tool's sensor."""
+    """Of torque residuals [N m], motor side, and of the tool's sensor."""
     held_out: Array
     within: Array
     """(c,), root mean square of the tool's residual of each cut, left out and included: [m] of a
@@ -94,12 +94,9 @@ def identify(
     """
     parameters = parameters_of(design)
     each = [Against(design, parameters, cut, sensor) for cut in cuts]
-    channels = sensor.channels
     torque_noise = cfg.torque_noise * design.model.drives.torque_limit
-    least = np.append(torque_noise, [channel.noise for channel in channels])
-    correlation = np.append(
-        np.full(N_AXES, cfg.correlation), [channel.correlation for channel in channels]
-    )
+    least = np.append(torque_noise, sensor.noise)
+    correlation = np.append(np.full(N_AXES, cfg.correlation), sensor.correlation)
     solving = Solving(parameters, parameters.mean, least, correlation)
     found, last = list[Compared](), solving
     covariance, scales = np.diag(parameters.standard_deviation**2), least

@@ -52,7 +52,7 @@ class Compared:
     residuals: Residuals
     columns: Columns
     groups: Sequence[Group]
-    """Torque of each axis, then the channels of the tool's sensor."""
+    """Torque of each axis, then the tool's sensor."""
 
 
 def compared(against: Against, theta: Array, columns: Columns | None) -> Compared:
@@ -65,11 +65,8 @@ def compared(against: Against, theta: Array, columns: Columns | None) -> Compare
     torque = [
         _group(columns.torque[on, axis], residuals.torque[on, axis]) for axis in range(N_AXES)
     ]
-    tool = [
-        _group(columns.tool[:, at].reshape(-1, m), residuals.tool[:, at].ravel())
-        for at in (channel.columns for channel in against.sensor.channels)
-    ]
-    return Compared(residuals, columns, [*torque, *tool])
+    tool = _group(columns.tool.reshape(-1, m), residuals.tool.ravel())
+    return Compared(residuals, columns, [*torque, tool])
 
 
 def together(cuts: Sequence[Compared]) -> list[Group]:

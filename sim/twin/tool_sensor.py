@@ -1,10 +1,6 @@
-"""Sensors of the tool that a twin is identified from, and the laser tracker as one of them.
+"""Sensors of the tool that a twin is identified from, and the laser tracker as one of them."""
 
-A sensor gives residuals as the solver takes them; those of a tracker are displacements of the tool
-from rest.
-"""
-
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
@@ -26,17 +22,6 @@ _LARGEST_PATH_ERROR = 2e-3
 """[m], of the tool's displacement from that of the motor angles: elasticity is a fifth of it."""
 
 
-@dataclass(frozen=True)
-class Channels:
-    """Columns of a residual that share a scale."""
-
-    columns: slice
-    noise: float
-    """Least scale, in the unit of the residual."""
-    correlation: float
-    """Scale over root mean square: square root of samples over independent samples."""
-
-
 class CutComparison(Protocol):
     """One recorded cut as its tool sensor saw it, against simulations. C: all columns of it."""
 
@@ -53,10 +38,14 @@ class CutComparison(Protocol):
         ...
 
 
-@dataclass(frozen=True)
-class ResidualScale:
-    """Scale that residuals of a sensor are shown on."""
+@dataclass(frozen=True, kw_only=True)
+class ToolSensor:
+    """Kind of sensor at the tool, and the scale that its residuals are shown on."""
 
+    noise: float
+    """Least scale of residuals, in their unit."""
+    correlation: float
+    """Scale over root mean square: square root of samples over independent samples."""
     quantity: str
     unit: str
     factor: float
@@ -65,69 +54,31 @@ class ResidualScale:
     """Displacement of the tool [m] that a residual of one stands for."""
     unsuspicious: float
     """Residual below which no cut is called corrupt. ESTIMATE."""
+    check: Callable[[RobotModel, MeasuredCut], None]
+    """Raises ImplausibleError for a cut without this sensor, or against the nominal robot."""
+    comparison: Callable[[RobotModel, MeasuredCut], CutComparison]
+    """Of a cut, which has this sensor, with runs of a design."""
 
 
-class ToolSensor(Protocol):
-    """Kind of sensor at the tool."""
-
-    @property
-    def scale(self) -> ResidualScale: ...
-
-    @property
-    def channels(self) -> tuple[Channels, ...]:
-        """Groups of the columns of residuals."""
-        ...
-
-    def check(self, model: RobotModel, cut: MeasuredCut) -> None:
-        """Raise ImplausibleError for a cut without this sensor, or against the nominal robot."""
-        ...
-
-    def comparison(self, model: RobotModel, cut: MeasuredCut) -> CutComparison:
-        """Comparison of a cut, which has this sensor, with runs of a design."""
-        ...
-
-
-@dataclass(frozen=True, kw_only=True)
-class Tracker:
-    """Laser tracker as the sensor of identification."""
-
-    noise: float = 10e-6
-    """Least scale of the tool's position [m]."""
-    correlation: float = 3.0
-    """What a model leaves of a path lasts for many samples. ESTIMATE."""
-
-    @property
-    def channels(self) -> tuple[Channels, ...]:
-        return (Channels(slice(0, 3), self.noise, self.correlation),)
-
-    @property
-    def scale(self) -> ResidualScale:
-        return ResidualScale(
-            "motion of the tool", "µm", factor=1e6, displacement=1.0, unsuspicious=100e-6
+def check_tracked(model: RobotModel, cut: MeasuredCut) -> None:
+    """Raise ImplausibleError for a cut without a tracker, or against the nominal robot."""
+    if cut.tool is None:
+        raise ImplausibleError(f"{cut.name} has no samples of a laser tracker")
+    if not np.isfinite(cut.tool).all():
+        raise ImplausibleError(f"{cut.name}: tool holds values that are not finite")
+    path = rigid_path(model, cut.motor_angle)
+    off = float(np.abs(cut.tool - from_rest(path)).max())
+    if off > _LARGEST_PATH_ERROR:
+        raise ImplausibleError(
+            f"{cut.name}: the tool is up to {1e3 * off:.3g} mm from where the motor angles put "
+            "it: another robot, or another unit"
         )
-
-    def check(self, model: RobotModel, cut: MeasuredCut) -> None:
-        if cut.tool is None:
-            raise ImplausibleError(f"{cut.name} has no samples of a laser tracker")
-        if not np.isfinite(cut.tool).all():
-            raise ImplausibleError(f"{cut.name}: tool holds values that are not finite")
-        path = rigid_path(model, cut.motor_angle)
-        off = float(np.abs(cut.tool - from_rest(path)).max())
-        if off > _LARGEST_PATH_ERROR:
-            raise ImplausibleError(
-                f"{cut.name}: the tool is up to {1e3 * off:.3g} mm from where the motor angles put "
-                "it: another robot, or another unit"
-            )
-        away = 0.0 if cut.rest is None else float(np.linalg.norm(cut.rest - path[0]))
-        if away > _LARGEST_OFFSET:
-            raise ImplausibleError(
-                f"{cut.name}: the tool rests {1e3 * away:.3g} mm from where the nominal robot has "
-                "it: another flange, or another base frame"
-            )
-
-    def comparison(self, model: RobotModel, cut: MeasuredCut) -> "TrackerComparison":
-        assert cut.tool is not None
-        return TrackerComparison(model, cut.motor_angle, cut.tool)
+    away = 0.0 if cut.rest is None else float(np.linalg.norm(cut.rest - path[0]))
+    if away > _LARGEST_OFFSET:
+        raise ImplausibleError(
+            f"{cut.name}: the tool rests {1e3 * away:.3g} mm from where the nominal robot has "
+            "it: another flange, or another base frame"
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,16 +86,16 @@ class TrackerComparison:
     """See `CutComparison`."""
 
     model: RobotModel
-    motor_angle: Array
-    tool: Array
+    cut: MeasuredCut
 
     @cached_property
     def _kinematics(self) -> tuple[Array, Array]:
-        return jacobians(self.model, self.motor_angle)
+        return jacobians(self.model, self.cut.motor_angle)
 
     def residual(self, run: Recording) -> Array:
-        moved = self._by_motors(self.motor_angle - motor_path(run))
-        return self.tool - tool_path(run) - moved
+        assert self.cut.tool is not None
+        moved = self._by_motors(self.cut.motor_angle - motor_path(run))
+        return self.cut.tool - tool_path(run) - moved
 
     def change(self, base: Recording, run: Recording) -> Array:
         moved = self._by_motors(motor_path(run) - motor_path(base))
@@ -152,16 +103,23 @@ class TrackerComparison:
 
     def by_kinematics(self) -> Mapping[str, Array]:
         jacobian, geometry = self._kinematics
-        errors = gear_error_columns(self.model, self.motor_angle, jacobian)
+        errors = gear_error_columns(self.model, self.cut.motor_angle, jacobian)
         position, orientation = np.split(from_rest(geometry), 2, axis=2)
-        return {
-            "gear_error": from_rest(errors),
-            "position": position,
-            "orientation": orientation,
-        }
+        return {"gear_error": from_rest(errors), "position": position, "orientation": orientation}
 
     def _by_motors(self, moved: Array) -> Array:
         return from_rest(np.einsum("kij,kj->ki", self._kinematics[0], moved))
 
 
-TRACKER = Tracker()
+TRACKER = ToolSensor(
+    noise=10e-6,
+    correlation=3.0,  # What a model leaves of a path lasts for many samples. ESTIMATE.
+    quantity="motion of the tool",
+    unit="µm",
+    factor=1e6,
+    displacement=1.0,
+    unsuspicious=100e-6,
+    check=check_tracked,
+    comparison=TrackerComparison,
+)
+"""Laser tracker; residuals are displacements from rest [m]."""
