@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from armside.sim.evaluation.check import Check, all_hold, mean_interval
+from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.notes import Tally
 from armside.sim.tuning.action import Motors
 from armside.sim.tuning.rules import Rules
@@ -12,6 +12,7 @@ from armside.sim.tuning.rules import Rules
 from . import _episodes
 from ._engine import Claim, Row, Rows, at_once
 from ._episodes import BY_MODELS, BY_POLICY, BY_SEARCH, BY_THESIS
+from ._seeds import mean_interval
 
 SIGNIFICANT = 3.0  # standard errors by which a mean must be better than another
 

@@ -29,7 +29,7 @@ from armside.sim.laser.path_error import path_error, rigid_path
 from armside.sim.motion.contour import slot
 from armside.sim.robot.model import load_model
 
-from .extended_arm import ExtendedArm
+from .extended_arm import ExtendedArm, start_covariance
 from .one_cut import CUT, IMU, MEASURE, assumed, commissioned, kept, spread
 
 ROBOT = load_model(LARGE_ROBOT_XML)
@@ -80,7 +80,7 @@ def test_full_filter_deviation_form_and_frequency_domain_agree(first, on_gears):
     step, path = 1.0 / IMU.rate, tool_path(motion, bent)
     start = np.zeros(len(model.A))
     start[-6:] = bias
-    smoother = Smoother(model.sampled(step), model.start_covariance(), np.isfinite(left))
+    smoother = Smoother(model.sampled(step), start_covariance(model), np.isfinite(left))
     forward = smoother(left, start).filtered @ model.tool.T
     spectral = wiener(left - bias, step, model.reading_covariance)
 

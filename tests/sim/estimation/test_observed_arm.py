@@ -44,7 +44,7 @@ def test_linearised_arm_is_the_rollout_linearised():
     [
         ({"stiffness": 0.0}, "stiffness"),
         ({"damping": -1.0}, "damping"),
-        ({"link_mass": np.nan}, "link_mass"),
+        ({"stiffness": (1.0, np.nan)}, "stiffness"),
     ],
 )
 def test_a_nominal_arm_says_what_is_out_of_range(options, said):
