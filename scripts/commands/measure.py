@@ -11,8 +11,9 @@ import pyarrow as pa
 from cyclopts import Parameter
 
 from armside.sim.evaluation.recorded import (
+    CircleTurn,
+    ContourTurn,
     IterationMeasures,
-    Turn,
     measure_signals,
     measure_table,
     notes_of_signals,
@@ -142,13 +143,13 @@ def gears(cfg: MeasureCfg, table: pa.Table) -> np.ndarray:
     return gear
 
 
-def turn(cfg: MeasureCfg) -> Turn | None:
+def turn(cfg: MeasureCfg) -> CircleTurn | ContourTurn | None:
     """Circle or contour of the options in SI units; None without either."""
     start = -np.inf if cfg.start is None else cfg.start
     end = np.inf if cfg.end is None else cfg.end
     if cfg.contour is not None:
         curve, turned = read_contour(cfg.contour), float(np.deg2rad(cfg.turned))
-        return Turn(contour=curve, start=start, end=end, normal=cfg.normal, turned=turned)
+        return ContourTurn(contour=curve, start=start, end=end, normal=cfg.normal, turned=turned)
     if cfg.radius is None:
         return None
-    return Turn(contour=1e-3 * cfg.radius, start=start, end=end, normal=cfg.normal)
+    return CircleTurn(radius=1e-3 * cfg.radius, start=start, end=end, normal=cfg.normal)

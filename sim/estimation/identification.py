@@ -17,9 +17,8 @@ from armside.ilc.estimation.prediction_error import ParameterEstimate, Whitened,
 
 from ..instruments.imu import ImuCfg, ImuSamples
 from .arm_filter import ArmFilter, ProcessNoise, arm_filter
-from .deflection import deflection
+from .deflection import deflection, explained, residual
 from .elasticity import ArmParameters, Elasticity, SpringPrior, parameters_at
-from .readings import explained, residual
 from .rigid_motion import RigidMotion
 
 if TYPE_CHECKING:

@@ -28,26 +28,39 @@ TRACKER = ("tracker_x", "tracker_y", "tracker_z")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Turn:
+class _Turn:
+    """When the tracker saw one turn, and in which plane."""
+
+    start: float = -np.inf
+    end: float = np.inf
+    """[s]."""
+    normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    """Normal of the plane in the axes of the tracker, whose x axis, projected, is the contour's."""
+
+    def __post_init__(self) -> None:
+        if not self.start < self.end:
+            raise ValueError(f"start must be before end, got {self.start:g} and {self.end:g} s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class CircleTurn(_Turn):
+    """One turn of a programmed circle, for data that do not state their path."""
+
+    radius: float
+    """Programmed [m]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContourTurn(_Turn):
     """One turn of a programmed contour, for data that do not state their path.
 
     Its place is found by a best fit, as for any contour; its plane and, to some 20 degrees, its
     rotation there are given.
     """
 
-    contour: ClosedCurve | float
-    """A number is the radius of a circle [m], whose deviation is that of its radii."""
-    start: float = -np.inf
-    end: float = np.inf
-    """[s], in which the tracker saw it."""
-    normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    """Normal of the plane in the axes of the tracker, whose x axis, projected, is the contour's."""
+    contour: ClosedCurve
     turned: float = 0.0
-    """Rotation of the contour in that plane [rad]; of no matter to a circle."""
-
-    def __post_init__(self) -> None:
-        if not self.start < self.end:
-            raise ValueError(f"start must be before end, got {self.start:g} and {self.end:g} s")
+    """Rotation of the contour in that plane [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,7 +108,9 @@ def _tool(path: ToolMotion | PartMotion, seen: TrackerSamples) -> tuple[float, f
     return float(rms), max(tool.maxdev for tool in each)
 
 
-def measure_table(table: pa.Table, gear: ArrayLike, turn: Turn | None) -> list[IterationMeasures]:
+def measure_table(
+    table: pa.Table, gear: ArrayLike, turn: CircleTurn | ContourTurn | None
+) -> list[IterationMeasures]:
     """Measures of each iteration k in a table.
 
     Columns: `time` [s], `reference_1..n` and `motor_angle_1..n` [rad] on the arm side of the gear;
@@ -127,7 +142,9 @@ def measure_table(table: pa.Table, gear: ArrayLike, turn: Turn | None) -> list[I
     return rows
 
 
-def _one(table: pa.Table, k: int, gear: Array, turn: Turn | None) -> IterationMeasures:
+def _one(
+    table: pa.Table, k: int, gear: Array, turn: CircleTurn | ContourTurn | None
+) -> IterationMeasures:
     own = table.filter(pc.field("k") == k) if "k" in table.column_names else table
     reference, angle = (
         float_columns(own, [f"{kind}_{i + 1}" for i in range(len(gear))]) for kind in KINDS
@@ -150,25 +167,25 @@ def _measures(k: int, motor_error: Array, rms: float, maxdev: float) -> Iteratio
     return IterationMeasures(k=int(k), motor_inf=inf, motor_two=two, arm_rms=rms, arm_maxdev=maxdev)
 
 
-def _deviation(own: pa.Table, turn: Turn) -> tuple[float, float]:
+def _deviation(own: pa.Table, turn: CircleTurn | ContourTurn) -> tuple[float, float]:
     time, point = float_columns(own, ["time"])[:, 0], float_columns(own, TRACKER)
     seen = np.isfinite(point).all(axis=1) & (time >= turn.start) & (time < turn.end)
     if seen.sum() < 3:
         return np.nan, np.nan
-    if not isinstance(turn.contour, float | int):
-        return _from_contour(point[seen], turn, turn.contour)
+    if isinstance(turn, ContourTurn):
+        return _from_contour(point[seen], turn)
     radii = norms.fit_circle(point[seen], normal=turn.normal).radii
-    return norms.circle_rms(radii, turn.contour), norms.circle_maxdev(radii, turn.contour)
+    return norms.circle_rms(radii, turn.radius), norms.circle_maxdev(radii, turn.radius)
 
 
-def _from_contour(point: Array, turn: Turn, contour: ClosedCurve) -> tuple[float, float]:
+def _from_contour(point: Array, turn: ContourTurn) -> tuple[float, float]:
     """RMS and largest distance [m] of points (M, 3) from the contour, after a best fit to it."""
     plane = Plane.perpendicular_to(turn.normal, point.mean(axis=0))
     c, s = np.cos(turn.turned), np.sin(turn.turned)
     flat = plane.from_base(point)[:, :2] @ np.array([[c, -s], [s, c]])
-    outline = contour.point(np.linspace(0.0, contour.length, 400, endpoint=False))
+    outline = turn.contour.point(np.linspace(0.0, turn.contour.length, 400, endpoint=False))
     middle = [0.5 * (p.min(axis=0) + p.max(axis=0)) for p in (outline, flat)]
-    deviation = fit(contour, flat + (middle[0] - middle[1])).deviation
+    deviation = fit(turn.contour, flat + (middle[0] - middle[1])).deviation
     return float(np.sqrt(np.mean(deviation**2))), float(np.abs(deviation).max())
 
 

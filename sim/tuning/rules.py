@@ -21,7 +21,7 @@ from ..robot.kinematics_check import cell_model
 from ..robot.model import RobotModel
 from ..robot.spread import Drawn, check_applies
 from ..robot_file.find import find_cell
-from ..twin.correction import Corrected
+from ..twin.prediction import Corrected
 from ..twin.twin import learned, stored_twin
 from . import task
 from .action import LARGEST_COUNT, VARIABLES, Coefficients, CorrectionBasis, Motors, design_of

@@ -16,7 +16,7 @@ from ..laser.experiment import Experiment, Pass, true_tool_error
 from ..laser.learning import FROM_A_MODEL
 from ..notes import Note
 from ..robot.recording import saturation
-from ..twin.correction import Corrected
+from ..twin.prediction import Corrected
 from .action import REACH, Coefficients
 from .sensor import Reading, Sensor
 from .task import Task

@@ -20,10 +20,9 @@ from ..robot.effects import gear_phases
 from ..robot.individual import Individual
 from ..robot.mjcf import N_AXES
 from ..robot.recording import Recording
-from .correction import Corrected, correct
 from .identification import parameters_of
 from .parameters import Parameters
-from .prediction import Evidence, members
+from .prediction import Corrected, Evidence, correct, members
 from .recordings import SensorName
 from .simulation import RobotDesign, design_of, robot_digest
 

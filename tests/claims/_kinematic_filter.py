@@ -12,10 +12,9 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.estimation.kalman import Smoother
 from armside.ilc.estimation.process import Process, sampled_noise
-from armside.sim.estimation.deflection import Deflection
+from armside.sim.estimation.deflection import Deflection, explained
 from armside.sim.estimation.estimator import ToolEstimator
 from armside.sim.estimation.imu_health import REST
-from armside.sim.estimation.readings import explained
 from armside.sim.estimation.rigid_motion import RigidMotion
 from armside.sim.instruments.imu import ImuSamples
 

@@ -16,7 +16,7 @@ from armside.sim.laser.specification import Cut
 from armside.sim.notes import Tally
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.commission import commission
-from armside.sim.twin.drift import refreshed
+from armside.sim.twin.first_cut import refreshed
 from armside.sim.twin.recordings import MeasuredCut, measured
 from armside.sim.twin.twin import Twin
 

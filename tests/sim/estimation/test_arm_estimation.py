@@ -14,15 +14,13 @@ from armside.kinematics.robots import IMU_LINKS
 from armside.sim.cell import ToolPose
 from armside.sim.estimation.arm_filter import ProcessNoise
 from armside.sim.estimation.commissioning import UNIDENTIFIED, commission
-from armside.sim.estimation.deflection import deflection
+from armside.sim.estimation.deflection import deflection, explained, residual
 from armside.sim.estimation.elasticity import ArmParameters
-from armside.sim.estimation.estimator import ToolEstimator, tool_path
+from armside.sim.estimation.estimator import ToolEstimator, tool_path, validity
 from armside.sim.estimation.imu_health import ImuError, repaired
 from armside.sim.estimation.linearised_arm import linearised
 from armside.sim.estimation.nominal import NominalCfg, nominal_arm
-from armside.sim.estimation.readings import explained, residual
 from armside.sim.estimation.rigid_motion import rigid_motion
-from armside.sim.estimation.validity import validity
 from armside.sim.laser import Cut, ToolPath, prepare
 from armside.sim.laser.learning import first_run
 from armside.sim.laser.path_error import path_error, rigid_path

@@ -7,7 +7,7 @@ import pyarrow as pa
 import pytest
 
 from armside.sim.evaluation.recorded import (
-    Turn,
+    CircleTurn,
     measure_table,
     notes_of_signals,
     notes_of_table,
@@ -21,7 +21,7 @@ from armside.sim.records.signals import RecordedRun, Signals
 @pytest.mark.parametrize(("start", "end"), [(1.0, 0.0), (1.0, 1.0), (np.nan, 1.0)])
 def test_a_turn_that_ends_before_it_starts_is_refused(start, end):
     with pytest.raises(ValueError, match="start must be before end"):
-        Turn(contour=0.005, start=start, end=end)
+        CircleTurn(radius=0.005, start=start, end=end)
 
 
 GEAR = np.array([100.0, -50.0])
@@ -59,7 +59,7 @@ def test_errors_are_those_of_the_motor_shafts(table):
 
 def test_the_circle_is_that_of_the_plane_given(table):
     """Seen along z the leaning circle is round; in its own best plane it is an ellipse."""
-    first, second = measure_table(table, GEAR, Turn(contour=RADIUS))
+    first, second = measure_table(table, GEAR, CircleTurn(radius=RADIUS))
     assert first.arm_rms == pytest.approx(1e-4 / np.sqrt(2), rel=1e-6)
     assert first.arm_maxdev == pytest.approx(1e-4, rel=0.01)
     assert second.arm_rms == pytest.approx(0.5 * first.arm_rms)
@@ -71,7 +71,7 @@ def test_samples_outside_of_the_turn_do_not_count(table):
     for name in ("tracker_x", "tracker_y"):
         lost[name][99] = lost[name][199] = 7.0
     other = pa.table(lost)
-    start, end = Turn(contour=RADIUS, end=0.99), Turn(contour=RADIUS, start=0.01)
+    start, end = CircleTurn(radius=RADIUS, end=0.99), CircleTurn(radius=RADIUS, start=0.01)
     without = measure_table(other, GEAR, start)[0]
     assert without.arm_rms == pytest.approx(1e-4 / np.sqrt(2), rel=0.05)
     assert measure_table(other, GEAR, end)[0].arm_rms > 1e-2

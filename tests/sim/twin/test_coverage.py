@@ -28,7 +28,8 @@ from armside.sim.twin.tool_sensor import TRACKER, ToolSensor
 
 from .conftest import INDIVIDUAL
 
-DRAWS, STEPS, CFG = 8, 3, Identification()
+WHOLE = bool(os.environ.get("ARMSIDE_CI"))
+DRAWS, STEPS, CFG = 8 if WHOLE else 4, 3, Identification()
 LASTS = round(CFG.correlation**2)
 """Samples that share one draw of the noise: as many as the scale of residuals assumes."""
 
@@ -144,7 +145,7 @@ def test_those_of_the_linearised_model_would_hold_it_less_often(commissioned):
     assert coverage(INDIVIDUAL, twin, np.sqrt(np.diag(twin.covariance)))[0] < 0.90
 
 
-@pytest.mark.skipif(not os.environ.get("ARMSIDE_CI"), reason="minutes: robots from more cuts")
+@pytest.mark.skipif(not WHOLE, reason="minutes: robots from more cuts")
 @pytest.mark.parametrize("measure", ["tracker", "imu"])
 def test_printed_standard_deviations_hold_the_truth_of_other_robots(measure):
     found = []
