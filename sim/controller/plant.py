@@ -72,8 +72,6 @@ class StreamedPlant:
     """Messages of the controller that did not come, in all runs; their angles are interpolated."""
     refused: int = field(default=0, init=False)
     """Answers that the controller says it missed or refused, in all runs."""
-    lost_share: list[float] = field(default_factory=list[float], init=False)
-    """Share of lost messages, by run."""
 
     def __post_init__(self) -> None:
         self.path = np.array(self.path, dtype=np.float64)
@@ -142,7 +140,6 @@ class StreamedPlant:
         there = np.isfinite(measured[:, 0])
         share = 1.0 - float(there.mean())
         self.lost += int((~there).sum())
-        self.lost_share.append(share)
         if share > MOST_LOST:
             raise LostError(
                 f"{(~there).sum()} of {len(there)} messages of the controller were lost"

@@ -15,7 +15,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.estimation.process import Process, sampled_noise
 
-from ..instruments.imu import ImuCfg, TriadCfg
+from ..instruments.imu import ImuCfg
 from .linearised_arm import LinearisedArm
 
 _BUTTERWORTH_DAMPING = np.sqrt(0.5)
@@ -85,7 +85,10 @@ class ArmFilter:
     def reading_covariance(self) -> Array:
         """(6, 6), of rounding to counts; at least a hundredth of the noise, to keep digits."""
         triads = self.imu.accelerometer, self.imu.gyroscope
-        floors = [max(t.resolution / np.sqrt(12.0), 0.05 * _noise(t)) for t in triads]
+        floors = [
+            max(t.resolution / np.sqrt(12.0), 0.05 * (t.noise_density * np.sqrt(t.bandwidth)))
+            for t in triads
+        ]
         return np.diag(np.repeat([floor**2 for floor in floors], 3))
 
 
@@ -113,7 +116,7 @@ def arm_filter(
         ((imu.accelerometer, from_state, from_torque), (imu.gyroscope, turning, np.zeros((3, n))))
     ):
         low, rate = np.split(np.arange(2 * n + 6 * k, 2 * n + 6 * k + 6), 2)
-        omega = _omega(triad)
+        omega = 2.0 * np.pi * triad.bandwidth
         A[low, rate] = 1.0
         A[rate] = omega**2 * ideal
         A[rate, low] -= omega**2
@@ -131,11 +134,3 @@ def arm_filter(
     C[range(6), 2 * n + np.array([0, 1, 2, 6, 7, 8])] = 1.0
     C[range(6), range(bias, size)] = 1.0
     return ArmFilter(arm=arm, imu=imu, process_noise=process_noise, A=A, intensity=W, E=E, C=C)
-
-
-def _omega(triad: TriadCfg) -> float:
-    return 2.0 * np.pi * triad.bandwidth
-
-
-def _noise(triad: TriadCfg) -> float:
-    return triad.noise_density * np.sqrt(triad.bandwidth)

@@ -26,8 +26,7 @@ from ..twin.twin import learned, stored_twin
 from . import task
 from .action import LARGEST_COUNT, VARIABLES, Coefficients, CorrectionBasis, Motors, design_of
 from .observation import Layout
-from .sensor import RewardSensor, Sensor
-from .situation import Situation, advance, begin
+from .situation import RewardSensor, Sensor, Situation, advance, begin
 from .task import TEST_SEEDS, Shapes, Task, shapes_of, whole
 
 WORST_REWARD = -5.0  # Reward of a run that diverged; also the bound of every other

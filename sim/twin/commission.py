@@ -28,16 +28,12 @@ _OUTLIER = 5.0
 
 def check(design: RobotDesign, cut: MeasuredCut, sensor: ToolSensor) -> None:
     """Raise ImplausibleError for a cut that the nominal robot could not have made."""
-    _check_numbers(cut)
-    _check_motors(cut)
-    sensor.check(design.model, cut)
-    _check_torque(cut, design.run([Individual()], cut.reference, cut.correction)[0].motor_torque)
-
-
-def _check_numbers(cut: MeasuredCut) -> None:
     for name in ("reference", "correction", "motor_angle", "motor_torque"):
         if not np.isfinite(getattr(cut, name)).all():
             raise ImplausibleError(f"{cut.name}: {name} holds values that are not finite")
+    _check_motors(cut)
+    sensor.check(design.model, cut)
+    _check_torque(cut, design.run([Individual()], cut.reference, cut.correction)[0].motor_torque)
 
 
 def _check_motors(cut: MeasuredCut) -> None:

@@ -11,8 +11,6 @@ from scipy.spatial import KDTree
 from armside.arrays import Array
 from armside.kinematics import CompiledRobot
 
-from ..recording import Stream
-
 POINTS = 20001
 """Of the path, between which the foot of a perpendicular is interpolated."""
 CONSTANT = (0.15, 0.85)
@@ -129,8 +127,3 @@ def path_scatter(path: WaypointPath, runs: Sequence[Array]) -> PathScatter:
         error_in_plane=float(np.sqrt((flat**2).sum(axis=1).mean())),
         scatter=float(np.sqrt(e.var(axis=0, ddof=1).sum(axis=1).mean())) if several else np.nan,
     )
-
-
-def phi_of(streams: Sequence[Stream]) -> list[Array]:
-    """Motor angles of several streams."""
-    return [stream.values for stream in streams]
