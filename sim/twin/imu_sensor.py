@@ -27,10 +27,9 @@ from ..robot.mjcf import N_AXES
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
 from ..robot.virtual_robot import LOG_PERIOD
-from .kinematic_columns import ImuKinematics, gear_waves, imu_kinematics
 from .recordings import ImplausibleError, MeasuredCut
 from .simulation import motor_path
-from .tool_sensor import ToolSensor
+from .tool_sensor import ImuKinematics, ToolSensor, gear_waves, imu_kinematics
 
 CFG = ImuCfg()
 """Kind of unit, as its data sheet has it."""

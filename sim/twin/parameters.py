@@ -19,7 +19,7 @@ from armside.arrays import Array
 from ..robot.drives import N_HARMONICS
 from ..robot.individual import Individual
 from ..robot.mjcf import N_AXES
-from .bending import DIRECTIONS, LINKS, MEAN, hinges
+from .simulation import DIRECTIONS, LINKS, MEAN, hinges
 
 _STIFFEST = 0.25
 """Least compliance of a spring relative to the design."""

@@ -12,9 +12,9 @@ from armside.sim.robot.effects import gear_phases
 from armside.sim.robot.individual import Individual
 from armside.sim.robot.virtual_robot import LOG_PERIOD
 from armside.sim.twin.imu_sensor import CUTOFF, ImuComparison, check_imu, clock_offset
-from armside.sim.twin.kinematic_columns import imu_kinematics
 from armside.sim.twin.recordings import ImplausibleError, measured
 from armside.sim.twin.simulation import RobotDesign
+from armside.sim.twin.tool_sensor import imu_kinematics
 
 NOISE_FREE = ImuCfg(
     accelerometer=replace(ACCELEROMETER, noise_density=0.0, bias_walk=0.0),
