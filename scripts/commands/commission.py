@@ -16,9 +16,8 @@ from armside.sim.notes import Note, Tally, counted
 from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.summary import dumps, summary
 from armside.sim.twin import commission as commissioning
-from armside.sim.twin.commission import SENSORS, CommissionedTwin
+from armside.sim.twin.commission import CANDIDATES, MOST, SENSORS, CommissionedTwin, chosen, plan
 from armside.sim.twin.identification import Identification
-from armside.sim.twin.plan import CANDIDATES, MOST, chosen, plan
 from armside.sim.twin.prediction import is_identified, standard_deviation
 from armside.sim.twin.recordings import (
     MeasuredCut,

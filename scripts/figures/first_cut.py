@@ -10,8 +10,7 @@ from armside.sim.laser.learning import learn
 from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.specification import Cut
 from armside.sim.robot.spread import Drawn
-from armside.sim.twin.commission import commission
-from armside.sim.twin.plan import plan, recorded
+from armside.sim.twin.commission import commission, plan, recorded
 
 from .laser import circles
 

@@ -12,8 +12,7 @@ from armside.sim.evaluation.check import Check, all_hold
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.notes import Tally
 from armside.sim.robot.spread import Drawn
-from armside.sim.twin.commission import commission
-from armside.sim.twin.plan import MOST
+from armside.sim.twin.commission import MOST, commission
 
 from ._engine import Claim, Row, Rows
 from ._tasks import JUDGED_BY_IMU, JUDGED_SEED, tasks

@@ -14,8 +14,7 @@ from ...motion.timing import PathLimits, rest_to_rest
 from ...robot.kinematics_check import cell_model
 from ...robot.virtual_robot import LOG_PERIOD, VirtualRobot
 from ..recording import Stream
-from .motor_logs import PathLogs
-from .waypoint_path import PathScatter, WaypointPath, path_scatter, waypoint_path
+from .waypoint_path import PathLogs, PathScatter, WaypointPath, path_scatter, waypoint_path
 
 HALF = 10
 """Samples on either side that the cubic spans."""

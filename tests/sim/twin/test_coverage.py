@@ -16,11 +16,10 @@ from armside.ilc.filters import ZeroPhaseButterworth
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.robot.mjcf import N_AXES
 from armside.sim.robot.spread import Drawn
-from armside.sim.twin.commission import commission
+from armside.sim.twin.commission import commission, plan, recorded
 from armside.sim.twin.identification import Identification, Solving, compared
 from armside.sim.twin.imu_sensor import CFG as UNIT
 from armside.sim.twin.imu_sensor import CUTOFF, IMU
-from armside.sim.twin.plan import plan, recorded
 from armside.sim.twin.prediction import is_identified, standard_deviation
 from armside.sim.twin.sensitivities import Columns, Residuals
 from armside.sim.twin.tool_sensor import TRACKER, ToolSensor
