@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from armside.kinematics.robot_file import Arm, GearTerm, gear_toml, robot_toml
-from armside.sim.gears import Coverage, GearAnalysis, Judgement, Remaining
-from armside.sim.gears import analysis as coverage
+from armside.sim.gears import Coverage, GearAnalysis, Judgement, Remaining, coverage
 from armside.sim.gears.judgement import judged_rows
 from armside.sim.gears.transmission import CONFIDENCE
 from armside.sim.recordings.alignment.encoder_motion import bandpass

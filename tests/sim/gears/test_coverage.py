@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from armside.sim.gears import GearsCfg, analyse_gears, coverage_notes
-from armside.sim.gears import analysis as coverage
+from armside.sim.gears import GearsCfg, analyse_gears, coverage, coverage_notes
 from armside.sim.recordings import Stream
 
 CFG = GearsCfg(largest_order=200.0)
