@@ -10,7 +10,7 @@ from .gears.analysis import GearsCfg as GearsCfg
 from .gears.analysis import analyse_gears as analyse_gears
 from .imu.experiment import reprocessed as reprocessed
 from .imu.experiment import run_imu as run_imu
-from .imu.processing import ProcessingCfg as ProcessingCfg
+from .imu.prediction import ProcessingCfg as ProcessingCfg
 from .imu.specification import ImuExperiment as ImuExperiment
 from .laser.design import Design as Design
 from .laser.design_from_data import design_from_data as design_from_data

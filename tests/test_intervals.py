@@ -9,6 +9,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from tests.claims._seeds import mean_interval
 
 from armside.ilc.estimation.consistency import bounds, normalised_squared
 from armside.ilc.estimation.kalman import Smoother, SteadyStateFilter
@@ -19,7 +20,6 @@ from armside.ilc.identification.first_order import fit_first_order
 from armside.ilc.identification.polynomial import Orders
 from armside.ilc.identification.polynomial_fit import fit_polynomial
 from armside.ilc.models.system import System
-from armside.sim.evaluation.check import mean_interval
 
 STEP = 0.004
 SERVO = System(np.array([0, 0, 0, 0, 0, 0.5083]), np.array([1.0, -0.4884]), STEP)

@@ -15,9 +15,8 @@ from armside.sim.notes import Note, Tally, counted
 from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
 from armside.sim.twin import commission as commissioning
-from armside.sim.twin.commission import SENSORS, CommissionedTwin
+from armside.sim.twin.commission import CANDIDATES, MOST, SENSORS, CommissionedTwin, chosen, plan
 from armside.sim.twin.identification import Identification
-from armside.sim.twin.plan import CANDIDATES, MOST, chosen, plan
 from armside.sim.twin.prediction import is_identified, standard_deviation
 from armside.sim.twin.recordings import (
     MeasuredCut,
@@ -27,7 +26,7 @@ from armside.sim.twin.recordings import (
     read_cut,
 )
 from armside.sim.twin.simulation import design_of
-from armside.sim.twin.tool_sensor import ResidualScale
+from armside.sim.twin.tool_sensor import ToolSensor
 
 from ..cutting.options import OF_ROBOT, IndividualCfg, robot_state
 from ..shell.console import Report, run_folder
@@ -91,7 +90,7 @@ def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common(
         figures.friction(folder / "friction.png", found, recorded)
         figures.residuals(folder / "residuals.png", found, recorded)
     report.notes(notes)
-    _show(report, outcome, SENSORS[cfg.measure].scale)
+    _show(report, outcome, SENSORS[cfg.measure])
     report.results(outcome, folder.path)
 
 
@@ -183,12 +182,12 @@ def _results(found: CommissionedTwin) -> dict[str, Any]:
     }
 
 
-def _show(report: Report, outcome: dict[str, Any], scale: ResidualScale) -> None:
+def _show(report: Report, outcome: dict[str, Any], sensor: ToolSensor) -> None:
     rows = [
-        [c["name"], _on(scale, c["within"]), _on(scale, c["held_out"])] for c in outcome["cuts"]
+        [c["name"], _on(sensor, c["within"]), _on(sensor, c["held_out"])] for c in outcome["cuts"]
     ]
     columns = ["cut", "in the identification", "held out"]
-    report.table(f"What the twin leaves of the {scale.quantity} [{scale.unit}]", columns, rows)
+    report.table(f"What the twin leaves of the {sensor.quantity} [{sensor.unit}]", columns, rows)
     unknown, every = outcome["not_identified"], len(outcome["parameters"])
     kinds = sorted({name.split(" ")[0] for name in unknown})
     report.line(
@@ -197,5 +196,5 @@ def _show(report: Report, outcome: dict[str, Any], scale: ResidualScale) -> None
     )
 
 
-def _on(scale: ResidualScale, value: float | None) -> float | str:
-    return "-" if value is None else scale.factor * value
+def _on(sensor: ToolSensor, value: float | None) -> float | str:
+    return "-" if value is None else sensor.factor * value

@@ -33,7 +33,7 @@ def path_logs(
     path-logs.png: error and scatter across the path by speed.
     """
     from armside.sim.recordings.paths import compare_logs
-    from armside.sim.recordings.paths.motor_logs import read_path_logs
+    from armside.sim.recordings.paths.waypoint_path import read_path_logs
     from armside.sim.robot_file.find import load_robot
 
     from ..figures import path_logs as shown

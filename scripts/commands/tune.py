@@ -9,7 +9,7 @@ from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
 from armside.sim.tuning.action import Motors
 from armside.sim.tuning.objective import Objective, prepare
-from armside.sim.tuning.sensor import RewardSensor
+from armside.sim.tuning.situation import RewardSensor
 
 from ..shell.console import Report, run_folder
 from ..shell.effort import Effort, refuse_absurd

@@ -84,7 +84,7 @@ def measure(cfg: LaserCfg) -> Measure:
     """
     parameters = None
     if cfg.identification is not None:
-        from armside.sim.estimation.parameters_file import read_parameters
+        from armside.sim.estimation.elasticity import read_parameters
 
         parameters = read_parameters(cfg.identification, cfg.robot, cfg.cell.robot.n_joints)
     if cfg.measure == "motor":

@@ -9,7 +9,7 @@ from armside.arrays import Array
 from armside.sim.robot.mjcf import AXES
 from armside.sim.robot.virtual_robot import LOG_PERIOD
 from armside.sim.twin.commission import SENSORS, CommissionedTwin
-from armside.sim.twin.friction_step import friction_constants, lugre
+from armside.sim.twin.learning import friction_constants, lugre
 from armside.sim.twin.recordings import MeasuredCut
 from armside.sim.twin.sensitivities import Against
 
@@ -64,7 +64,7 @@ def _stribeck(speed: Array, constants: Array) -> Array:
 def residuals(file: Path, found: CommissionedTwin, cuts: Sequence[MeasuredCut]) -> None:
     """RMS of the tool sensor's residual in each cut: by design, twin of the others, twin."""
     twin, quality, sensor = found.twin, found.identified.quality, SENSORS[found.twin.sensor]
-    mean, scale = twin.parameters.mean, sensor.scale
+    mean = twin.parameters.mean
     before = [
         Against(twin.design, twin.parameters, cut, sensor).residuals(mean).tool for cut in cuts
     ]
@@ -75,16 +75,16 @@ def residuals(file: Path, found: CommissionedTwin, cuts: Sequence[MeasuredCut]) 
     )
     width, place = max(6.0, 0.9 * len(cuts) + 1.2), np.arange(len(cuts))
     title = (
-        f"{scale.quantity.capitalize()} beyond that of its motors: what a model does not explain"
+        f"{sensor.quantity.capitalize()} beyond that of its motors: what a model does not explain"
     )
     edges = 0.7 / width, 1.0 - 0.1 / width, 0.13, 0.8
     with panels(file, (width, 4.0), edges=edges) as (axes,):
         axes.figure.suptitle(title, x=0.02, ha="left", fontsize=10)
         for i, (label, values, color) in enumerate(bars):
-            heights = scale.factor * np.asarray(values)
+            heights = sensor.factor * np.asarray(values)
             drawn = axes.bar(place + 0.27 * (i - 1), heights, 0.25, color=color, label=label)
             axes.bar_label(drawn, [_short(height) for height in heights], fontsize=7, padding=1)
-        axes.set_ylabel(f"RMS [{scale.unit}]")
+        axes.set_ylabel(f"RMS [{sensor.unit}]")
         axes.set_xticks(place, [cut.name for cut in cuts], rotation=20 if len(cuts) > 6 else 0)
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=9)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from armside.sim.tuning.action import VARIABLES
-from armside.sim.tuning.sensor import RewardSensor
+from armside.sim.tuning.situation import RewardSensor
 
 from ..shell.console import Report
 from .storage import redacted

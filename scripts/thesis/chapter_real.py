@@ -22,7 +22,7 @@ from armside.sim.gears import analyse_gears
 from armside.sim.imu.recorded import process, repeatability
 from armside.sim.recordings import MotionRecording, read_motion, read_poses
 from armside.sim.recordings.paths import compare_logs
-from armside.sim.recordings.paths.motor_logs import read_path_logs
+from armside.sim.recordings.paths.waypoint_path import read_path_logs
 
 from ..figures import calibration as of_calibration
 from ..figures import gears as of_gears

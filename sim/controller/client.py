@@ -6,7 +6,7 @@ import time
 from contextlib import suppress
 from typing import Protocol
 
-from .messages import Answer, State, WireError
+from .messages import Answer, State, Wire, WireError
 from .server import LARGEST, Address
 
 
@@ -29,28 +29,10 @@ class Connection(Protocol):
         ...
 
 
-class ClientWire(Protocol):
-    """A protocol's messages on the client's side."""
-
-    additive: bool
-
-    def decode_state(self, datagram: bytes) -> State:
-        """Message of a controller. Raises WireError."""
-        ...
-
-    def encode_answer(self, answer: Answer, to: State) -> bytes:
-        """Answer to a message."""
-        ...
-
-    def forget(self) -> None:
-        """A run begins."""
-        ...
-
-
 class Udp:
     """A link over UDP. The controller speaks first, to the address that this binds."""
 
-    def __init__(self, wire: ClientWire, address: Address, patience: float) -> None:
+    def __init__(self, wire: Wire, address: Address, patience: float) -> None:
         self.additive = wire.additive
         self.wrong = 0
         """Datagrams that were no messages."""

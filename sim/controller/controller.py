@@ -22,7 +22,7 @@ from ..robot.run import LoadedReference
 from ..robot.statics import Statics
 from ..robot.virtual_robot import LOG_PERIOD, VirtualRobot
 from .limits import GuidanceLimits
-from .messages import Answer, Phase, State, degrees, radians
+from .messages import Answer, Phase, State
 from .streamed_run import StreamedRun
 
 SILENCE = 25
@@ -108,8 +108,8 @@ class VirtualController:
             number=self._number,
             time=round(1e3 * LOG_PERIOD) * self._cycles,
             phase=self.phase,
-            joints=degrees(measured),
-            planned=degrees(run.planned),
+            joints=np.rad2deg(measured),
+            planned=np.rad2deg(run.planned),
             position=1e3 * frame[:3, 3],
             quaternion=quaternion,
             missed=self.missed,
@@ -155,7 +155,7 @@ class VirtualController:
     def _allowed(self, answer: Answer) -> Array | None:
         """The correction (n,) [rad] of an answer within the limits, or None."""
         assert answer.values is not None
-        correction, wrong = self._checked(radians(answer.values), answer.additive)
+        correction, wrong = self._checked(np.deg2rad(answer.values), answer.additive)
         if wrong is None:
             return correction
         if wrong not in self.refusals and len(self.refusals) < MOST_REFUSALS:

@@ -18,11 +18,10 @@ from armside.kinematics import Joint
 from armside.kinematics.rotation import to_quaternion
 
 from ..cell import Cell
-from .client import ClientWire
-from .messages import Answer, Phase, State, degrees
+from .messages import Answer, Phase, State, Wire
 from .plant import PERIOD
 from .rsi import RsiWire
-from .stored_correction import StoredCorrection, commanded
+from .stored_correction import StoredCorrection
 
 BAND = 0.4
 """Cutoff of the low-pass over the new rate."""
@@ -64,7 +63,7 @@ def resampled(values: Array, sample_time: float, rate: float) -> Array:
 
 def joint_values(stored: StoredCorrection, form: Form, rate: float) -> Array:
     """(M, n) at a rate [Hz]: u, or r + u from which the other two forms are made."""
-    values = stored.correction if form == "joint-correction" else commanded(stored)
+    values = stored.correction if form == "joint-correction" else stored.commanded
     return resampled(values, stored.sample_time, rate)
 
 
@@ -134,8 +133,8 @@ def egm_messages(joints: Array) -> bytes:
     return b"".join(varint(len(message)) + message for message in found)
 
 
-def _answers(wire: ClientWire, values: Array, *, additive: bool) -> Iterator[bytes]:
-    for i, row in enumerate(degrees(values)):
+def _answers(wire: Wire, values: Array, *, additive: bool) -> Iterator[bytes]:
+    for i, row in enumerate(np.rad2deg(values)):
         yield wire.encode_answer(Answer(values=row, additive=additive), _asked(i, row))
 
 

@@ -5,8 +5,7 @@ Angles are in degrees, as on the wire: a conversion on one side only would chang
 
 from dataclasses import dataclass
 from enum import Enum
-
-import numpy as np
+from typing import Protocol
 
 from armside.arrays import Array
 
@@ -55,15 +54,32 @@ class Answer:
     """The values are added to the program; otherwise they are absolute angles."""
 
 
-def degrees(angle: Array) -> Array:
-    """[rad] to [deg]."""
-    return np.rad2deg(angle)
-
-
-def radians(angle: Array) -> Array:
-    """[deg] to [rad]."""
-    return np.deg2rad(angle)
-
-
 class WireError(ValueError):
     """A datagram that is not a message of the protocol."""
+
+
+class Wire(Protocol):
+    """Messages of a protocol, both directions."""
+
+    additive: bool
+    """Answers are added to the program; otherwise they are absolute angles."""
+
+    def encode_state(self, state: State) -> bytes:
+        """Message of a controller's cycle."""
+        ...
+
+    def decode_state(self, datagram: bytes) -> State:
+        """Message of a controller. Raises WireError."""
+        ...
+
+    def encode_answer(self, answer: Answer, to: State) -> bytes:
+        """Answer to a message."""
+        ...
+
+    def decode_answer(self, datagram: bytes, to: State) -> Answer | None:
+        """Answer to the message `to`; None for a late or doubled one. Raises WireError."""
+        ...
+
+    def forget(self) -> None:
+        """A run begins."""
+        ...

@@ -1,5 +1,6 @@
 """A plant behind a controller: it runs a path with a correction and returns the motor angles."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,7 +11,7 @@ from armside.ilc.records import records
 from .client import Connection
 from .controller import VirtualController
 from .limits import GuidanceLimits
-from .messages import Answer, Phase, State, degrees, radians
+from .messages import Answer, Phase, State
 
 PERIOD = 0.004
 """[s], of EGM and of RSI."""
@@ -71,8 +72,6 @@ class StreamedPlant:
     """Messages of the controller that did not come, in all runs; their angles are interpolated."""
     refused: int = field(default=0, init=False)
     """Answers that the controller says it missed or refused, in all runs."""
-    lost_share: list[float] = field(default_factory=list[float], init=False)
-    """Share of lost messages, by run."""
 
     def __post_init__(self) -> None:
         self.path = np.array(self.path, dtype=np.float64)
@@ -100,25 +99,31 @@ class StreamedPlant:
 
     def _stream(self, values: Array, state: State) -> Array:
         """Send a sample for each message; samples follow from the controller's clock."""
-        count, start = len(values), state.time
+        count, missed = len(values), state.missed
         measured = np.full(values.shape, np.nan)
-        sent, sample, asked = degrees(values), 0, 0
-        missed = state.missed
-        while True:
-            measured[sample] = radians(state.joints)
-            if sample == count - 1:
+        last = state
+        for sample, last in self._answering(values, state, count - 1):
+            if sample >= count or (last.phase is Phase.WAITING and sample > 0):
                 break
+            measured[sample] = np.deg2rad(last.joints)
+            missed = max(missed, last.missed)
+        self.link.answer(Answer(values=None, additive=self.link.additive), last)
+        self.refused += missed
+        return self._filled(measured)
+
+    def _answering(self, values: Array, state: State, last: int) -> Iterator[tuple[int, State]]:
+        """Samples and their messages, answered by values (N, n) [rad], until sample `last`."""
+        sent, start, sample, asked = np.rad2deg(values), state.time, 0, 0
+        yield sample, state
+        while sample < last:
             self.link.answer(Answer(values=sent[sample], additive=self.link.additive), state)
             before = sample
             state, sample = self._next(state, start, sample)
             asked = asked + 1 if sample == before else 0
-            self._refuse_endless(asked, sample)
-            if sample >= count or (state.phase is Phase.WAITING and sample > 0):
-                break
-            missed = max(missed, state.missed)
-        self.link.answer(Answer(values=None, additive=self.link.additive), state)
-        self.refused += missed
-        return self._filled(measured)
+            if asked >= MOST_ASKED:
+                reason = "it refuses the answer, or does not hear it"
+                raise LostError(f"the controller asked for sample {sample} {asked} times: {reason}")
+            yield sample, state
 
     def _next(self, state: State, start: int, sample: int) -> tuple[State, int]:
         """The next message and its sample. One that repeats itself asks for the answer again."""
@@ -135,7 +140,6 @@ class StreamedPlant:
         there = np.isfinite(measured[:, 0])
         share = 1.0 - float(there.mean())
         self.lost += int((~there).sum())
-        self.lost_share.append(share)
         if share > MOST_LOST:
             raise LostError(
                 f"{(~there).sum()} of {len(there)} messages of the controller were lost"
@@ -159,7 +163,7 @@ class StreamedPlant:
 
     def _move_to(self, target: Array, state: State) -> State:
         """Guide the robot to the start of the path, along a straight line in joint angles."""
-        start = radians(state.planned)
+        start = np.deg2rad(state.planned)
         away = target - start
         if np.abs(away).max() <= AT_START:
             return state
@@ -169,21 +173,8 @@ class StreamedPlant:
         share = 0.5 - 0.5 * np.cos(np.pi * np.arange(1, count + 1) / count)
         way = np.vstack((start + share[:, None] * away, np.tile(target, (SETTLING, 1))))
         self._check(way)
-        sample, began, sent, asked = 0, state.time, degrees(way), 0
-        while sample < len(way):
-            self.link.answer(Answer(values=sent[sample], additive=False), state)
-            before = sample
-            state, sample = self._next(state, began, sample)
-            asked = asked + 1 if sample == before else 0
-            self._refuse_endless(asked, sample)
-        return state
-
-    @staticmethod
-    def _refuse_endless(asked: int, sample: int) -> None:
-        """Raise LostError where a controller asks for the same sample again and again."""
-        if asked >= MOST_ASKED:
-            reason = "it refuses the answer, or does not hear it"
-            raise LostError(f"the controller asked for sample {sample} {asked} times: {reason}")
+        *_, (_, last) = self._answering(way, state, len(way))
+        return last
 
     def _check(self, targets: Array, correction: Array | None = None) -> None:
         if not np.isfinite(targets).all():
@@ -214,7 +205,7 @@ def program_of(link: Connection, seconds: float = 600.0) -> Array:
     state = link.receive()
     while state.phase is not Phase.WAITING:
         state = link.receive()
-    still, found, start = np.zeros_like(state.joints), [radians(state.planned)], state.time
+    still, found, start = np.zeros_like(state.joints), [np.deg2rad(state.planned)], state.time
     while len(found) < seconds / PERIOD:
         values = still if link.additive else state.planned
         link.answer(Answer(values=values, additive=link.additive), state)
@@ -225,5 +216,5 @@ def program_of(link: Connection, seconds: float = 600.0) -> Array:
         if ahead > len(found):
             raise LostError("a message of the program was lost: listen again")
         if ahead == len(found):
-            found.append(radians(state.planned))
+            found.append(np.deg2rad(state.planned))
     raise LostError(f"the program does not end within {seconds:g} s")

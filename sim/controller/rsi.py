@@ -178,9 +178,6 @@ SINGULAR = 1e-9
 
 
 def _quaternion(abc: list[float]) -> Array:
-    product = np.array([1.0, 0.0, 0.0, 0.0])
-    for angle, axis in zip(abc, ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)), strict=True):
-        turn, before = np.empty(4), product.copy()
-        mujoco.mju_axisAngle2Quat(turn, np.array(axis), math.radians(angle))
-        mujoco.mju_mulQuat(product, before, turn)
-    return product
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.from_euler("ZYX", abc, degrees=True).as_quat(scalar_first=True)

@@ -12,10 +12,9 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field
-from typing import Protocol
 
 from .controller import VirtualController
-from .messages import Answer, Phase, State, WireError
+from .messages import Answer, Phase, State, Wire, WireError
 
 PRIORITY = 10
 """Of Linux's real-time scheduling, 1 to 99: above every ordinary program. ESTIMATE: low among those
@@ -61,25 +60,6 @@ AWAITED = 0.02
 CYCLE_MS = 4
 MOST_REASONS = 100
 """Reasons for refusals that are kept."""
-
-
-class Wire(Protocol):
-    """A protocol's messages on the controller's side."""
-
-    additive: bool
-    """Answers are added to the program; otherwise they are absolute angles."""
-
-    def encode_state(self, state: State) -> bytes:
-        """Message of a cycle."""
-        ...
-
-    def decode_answer(self, datagram: bytes, to: State) -> Answer | None:
-        """Answer to the message `to`; None for a late or doubled one."""
-        ...
-
-    def forget(self) -> None:
-        """A run begins."""
-        ...
 
 
 @dataclass
@@ -131,7 +111,9 @@ class Server:
             self.longest = max(self.longest, 0.0 if waiting else late)
             tick = time.monotonic() if late > 0.25 else tick
         else:
-            answer = self._first(udp, state, self._patience())
+            waits = {Phase.WAITING: AWAITED, Phase.GUIDED: self.patience, Phase.STOPPING: 0.0}
+            answers = self._answers(udp, state, time.monotonic() + waits[controller.phase])
+            answer = next((one for one in answers if one is not None), None)
         controller.cycle(answer)
         self._before = state
         if controller.phase is Phase.WAITING:
@@ -154,35 +136,18 @@ class Server:
         self.late += len(overdue)
         return overdue[-1] if overdue and not self.wire.additive else None
 
-    def _patience(self) -> float:
-        match self.controller.phase:
-            case Phase.WAITING:
-                return AWAITED
-            case Phase.GUIDED:
-                return self.patience
-            case Phase.STOPPING:
-                return 0.0
-
-    def _first(self, udp: socket.socket, state: State, patience: float) -> Answer | None:
-        end = time.monotonic() + patience
-        while (left := end - time.monotonic()) > 0.0:
-            if not select.select([udp], [], [], left)[0]:
-                return None
-            for datagram in self._received(udp, most=1):
-                if (answer := self._answer(datagram, state)) is not None:
-                    return answer
-        return None
-
     def _newest(self, udp: socket.socket, state: State, tick: float) -> Answer | None:
         newest = None
-        while (left := tick - time.monotonic()) > 0.0:
-            if not select.select([udp], [], [], left)[0]:
-                break
-            for datagram in self._received(udp, most=1):
-                answer = self._answer(datagram, state)
-                self.late += None not in (answer, newest)  # the one before was due earlier
-                newest = answer or newest
+        for answer in self._answers(udp, state, tick):
+            self.late += None not in (answer, newest)  # the one before was due earlier
+            newest = answer or newest
         return newest
+
+    def _answers(self, udp: socket.socket, state: State, end: float) -> Iterator[Answer | None]:
+        """What datagrams answer a message until a time [s]; None for those that do not."""
+        while (left := end - time.monotonic()) > 0.0 and select.select([udp], [], [], left)[0]:
+            for datagram in self._received(udp, most=1):
+                yield self._answer(datagram, state)
 
     def _answer(self, datagram: bytes, state: State) -> Answer | None:
         try:

@@ -41,6 +41,11 @@ class StoredCorrection:
     law: str | None = None
     """Words of the law, of a run that compared laws."""
 
+    @property
+    def commanded(self) -> Array:
+        """r + u, shape (N, n)."""
+        return self.reference + self.correction
+
 
 def stored_correction(run: StoredRun, law: str | None = None) -> StoredCorrection:
     """Correction of a run of laser, cut or learn. law: which, where learn compared several.
@@ -106,11 +111,6 @@ def _robot(config: dict[str, Any]) -> tuple[str | None, str]:
 def _refuse_diverged(run: StoredRun, diverged: bool) -> None:
     if diverged:
         raise InputError(f"{run.folder} diverged: its correction is not for use")
-
-
-def commanded(stored: StoredCorrection) -> Array:
-    """r + u, shape (N, n)."""
-    return np.asarray(stored.reference + stored.correction)
 
 
 PREFIXES = ("correction", "u")

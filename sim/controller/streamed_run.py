@@ -70,11 +70,6 @@ class StreamedRun:
         return self.loaded.reference[self.sample]
 
     @property
-    def commanded(self) -> Array:
-        """Set point (n,) [rad] of the servo: program, and correction after its lag."""
-        return self.planned + self._path.position[self._row]
-
-    @property
     def motor_angle(self) -> Array:
         """Measured motor angles (n,) [rad] at this sample."""
         model, noise = self.loaded.model, self._noise.encoder

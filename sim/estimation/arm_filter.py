@@ -15,7 +15,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.estimation.process import Process, sampled_noise
 
-from ..instruments.imu import ImuCfg, TriadCfg
+from ..instruments.imu import ImuCfg
 from .linearised_arm import LinearisedArm
 
 _BUTTERWORTH_DAMPING = np.sqrt(0.5)
@@ -33,9 +33,6 @@ class ProcessNoise:
     """Corner frequency of tau_d's spectrum [Hz]."""
     bias_walk: float = 1e-3
     """[m/s^2/sqrt(s)] and [rad/s/sqrt(s)] / 10."""
-    start_torque: float = 1e-3
-    """Standard deviation of tau_d at the start, relative to its own: the arm starts at rest,
-    and a constant error of the rest is none of a cut's."""
 
     def __post_init__(self) -> None:
         for name in ("twist", "fraction", "corner"):
@@ -73,13 +70,6 @@ class ArmFilter:
         return 2 * self.n_free + 12
 
     @property
-    def B(self) -> Array:
-        """(m, 2a), from (dphi, dphi')."""
-        return self.E[:, self.arm.axes] @ np.hstack(
-            (np.diag(self.arm.stiffness), np.diag(self.arm.damping))
-        )
-
-    @property
     def tool(self) -> Array:
         """(6, m), displacement and rotation of the tool for the state."""
         T = np.zeros((6, len(self.A)))
@@ -95,24 +85,11 @@ class ArmFilter:
     def reading_covariance(self) -> Array:
         """(6, 6), of rounding to counts; at least a hundredth of the noise, to keep digits."""
         triads = self.imu.accelerometer, self.imu.gyroscope
-        floors = [max(t.resolution / np.sqrt(12.0), 0.05 * _noise(t)) for t in triads]
+        floors = [
+            max(t.resolution / np.sqrt(12.0), 0.05 * (t.noise_density * np.sqrt(t.bandwidth)))
+            for t in triads
+        ]
         return np.diag(np.repeat([floor**2 for floor in floors], 3))
-
-    def start_covariance(self) -> Array:
-        """(m, m) at rest before the cut."""
-        P = np.zeros(len(self.A))
-        n, m = self.n_free, self.n_mechanical
-        P[:n] = (1e-7) ** 2  # [rad]: the deflected arm starts where the arm is
-        P[n : 2 * n] = (1e-6) ** 2
-        for k, triad in enumerate((self.imu.accelerometer, self.imu.gyroscope)):
-            low = 2 * n + 6 * k
-            P[low : low + 3] = _noise(triad) ** 2
-            P[low + 3 : low + 6] = (_noise(triad) * _omega(triad)) ** 2
-        torque = self.process_noise.torque(self.arm)
-        P[m:-6] = (torque * self.process_noise.start_torque) ** 2
-        P[-6:-3] = (10.0 * self.imu.accelerometer.bias + 9.82 * 0.05) ** 2
-        P[-3:] = (10.0 * self.imu.gyroscope.bias + 1e-3) ** 2
-        return np.diag(P)
 
 
 def arm_filter(
@@ -139,7 +116,7 @@ def arm_filter(
         ((imu.accelerometer, from_state, from_torque), (imu.gyroscope, turning, np.zeros((3, n))))
     ):
         low, rate = np.split(np.arange(2 * n + 6 * k, 2 * n + 6 * k + 6), 2)
-        omega = _omega(triad)
+        omega = 2.0 * np.pi * triad.bandwidth
         A[low, rate] = 1.0
         A[rate] = omega**2 * ideal
         A[rate, low] -= omega**2
@@ -157,11 +134,3 @@ def arm_filter(
     C[range(6), 2 * n + np.array([0, 1, 2, 6, 7, 8])] = 1.0
     C[range(6), range(bias, size)] = 1.0
     return ArmFilter(arm=arm, imu=imu, process_noise=process_noise, A=A, intensity=W, E=E, C=C)
-
-
-def _omega(triad: TriadCfg) -> float:
-    return 2.0 * np.pi * triad.bandwidth
-
-
-def _noise(triad: TriadCfg) -> float:
-    return triad.noise_density * np.sqrt(triad.bandwidth)

@@ -21,7 +21,7 @@ from .estimator import ToolEstimator
 from .identification import Identified, identify, synchronised
 from .imu_health import REST, Fault, ImuError, repaired
 from .nominal import NominalArm
-from .rigid_motion import RigidMotion, rigid_motion
+from .rigid_motion import rigid_motion
 from .tool_covariance import tool_covariance
 
 EXCERPT = 10.0
@@ -106,26 +106,18 @@ def commission(
     motion, nominal = rigid_motion(arm, log.time, log.motor_angle), nominal_elasticity(robot, arm)
     identified, found, fault = None, None, None
     try:
-        readings = _checked(samples, imu, motion, cfg)
+        if samples is None:
+            raise ImuError(Fault.TOO_SHORT, "there is none")
+        readings = repaired(samples, imu)
+        check_gravity(readings, motion.up[0], cfg)
+        early = motion.beginning(EXCERPT), _beginning(readings, EXCERPT)
         if known is not None:
             found, white = synchronised(
-                motion.beginning(EXCERPT),
-                known,
-                _beginning(readings, EXCERPT),
-                imu,
-                prior=cfg.prior,
-                process_noise=cfg.process_noise,
+                early[0], known, early[1], imu, cfg.prior, cfg.process_noise
             )
             check_model(found, white, cfg)
         elif cfg.identified:
-            identified = identify(
-                motion.beginning(EXCERPT),
-                nominal,
-                _beginning(readings, EXCERPT),
-                imu,
-                prior=cfg.prior,
-                process_noise=cfg.process_noise,
-            )
+            identified = identify(early[0], nominal, early[1], imu, cfg.prior, cfg.process_noise)
             found = identified.parameters
             check_model(found, identified.whiteness, cfg)
     except ImuError as problem:
@@ -140,17 +132,6 @@ def commission(
     )
     estimator = ToolEstimator(arm, parameters, imu, cfg.process_noise, motion)
     return Commissioned(parameters, identified, estimator, plants, fault, nominal)
-
-
-def _checked(
-    samples: ImuSamples | None, imu: ImuCfg, motion: RigidMotion, cfg: Commissioning
-) -> ImuSamples:
-    """Repaired samples. Raises ImuError for those that cannot be used."""
-    if samples is None:
-        raise ImuError(Fault.TOO_SHORT, "there is none")
-    readings = repaired(samples, imu)
-    check_gravity(readings, motion.up[0], cfg)
-    return readings
 
 
 def check_gravity(samples: ImuSamples, up: Array, cfg: Commissioning) -> None:

@@ -17,9 +17,8 @@ from armside.ilc.estimation.prediction_error import ParameterEstimate, Whitened,
 
 from ..instruments.imu import ImuCfg, ImuSamples
 from .arm_filter import ArmFilter, ProcessNoise, arm_filter
-from .deflection import deflection
+from .deflection import deflection, explained, residual
 from .elasticity import ArmParameters, Elasticity, SpringPrior, parameters_at
-from .readings import explained, residual
 from .rigid_motion import RigidMotion
 
 if TYPE_CHECKING:
@@ -47,7 +46,6 @@ def identify(
     nominal: Elasticity,
     samples: ImuSamples,
     imu: ImuCfg,
-    *,
     prior: SpringPrior = SpringPrior(),
     process_noise: ProcessNoise = ProcessNoise(),
 ) -> Identified:
@@ -77,7 +75,6 @@ def synchronised(
     known: ArmParameters,
     samples: ImuSamples,
     imu: ImuCfg,
-    *,
     prior: SpringPrior = SpringPrior(),
     process_noise: ProcessNoise = ProcessNoise(),
 ) -> tuple[ArmParameters, Whiteness]:
@@ -120,22 +117,17 @@ class _Known(NamedTuple):
     readings: "CubicHermiteSpline"
 
 
+@dataclass(eq=False)
 class _Innovations:
     """Whitened innovations of a record, for parameters (m,)."""
 
-    def __init__(
-        self,
-        motion: RigidMotion,
-        nominal: Elasticity,
-        samples: ImuSamples,
-        imu: ImuCfg,
-        noise: ProcessNoise,
-    ) -> None:
-        self.motion, self.nominal, self.samples = motion, nominal, samples
-        self.imu, self.noise = imu, noise
-        self.segment = int(motion.segment[len(motion.segment) // 2])
-        # Gradients move clock and mounting as well, which filter and deflection do not depend on.
-        self._last: tuple[bytes, _Known | None] = (b"", None)
+    motion: RigidMotion
+    nominal: Elasticity
+    samples: ImuSamples
+    imu: ImuCfg
+    noise: ProcessNoise
+    # Gradients move clock and mounting as well, which filter and deflection do not depend on.
+    _last: tuple[bytes, _Known | None] = (b"", None)
 
     def __call__(self, theta: Array) -> Whitened:
         return self.on(parameters_at(self.nominal, theta, self.noise.fraction))
@@ -164,7 +156,8 @@ class _Innovations:
         """None for springs that cannot carry the arm."""
         try:
             bent = deflection(self.motion, parameters.springs)
-            model = filter_at(self.motion, parameters, self.imu, self.noise, self.segment)
+            segment = int(self.motion.segment[len(self.motion.segment) // 2])
+            model = filter_at(self.motion, parameters, self.imu, self.noise, segment)
             settled = SteadyStateFilter(model.sampled(1.0 / self.imu.rate))
         except (FloatingPointError, RuntimeError):
             return None

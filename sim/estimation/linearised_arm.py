@@ -16,9 +16,10 @@ from armside.arrays import Array
 
 from ..robot.linkage import FreeMotion
 from .nominal import NominalArm
-from .observer import at_rest
 
 _TURN = 1e-6  # [rad], of the differences that gradients are made of
+_NEWTON_STEPS = 200
+_REST_TORQUE = 1e-7  # [N m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,33 +89,77 @@ class LinearisedArm:
 def linearised(arm: NominalArm, phi: Array) -> LinearisedArm:
     """The arm at rest with its motors at phi, (a,) [rad]."""
     motion, q = arm.motion, at_rest(arm, phi)
-    mj, data = motion.mj, motion.data()
-    motion.place(data, q)
-    mujoco.mj_forward(mj, data)
-    tool, imu = mj.site("tool0").id, mj.site("imu").id
-    J_tool, J_imu = motion.jacobian(data, tool), motion.jacobian(data, imu)
-    R_imu_base = data.site_xmat[imu].reshape(3, 3).T
-    J_imu = np.vstack((R_imu_base @ J_imu[:3], R_imu_base @ J_imu[3:]))
-    gradient, tilt = _gradients(motion, q, imu)
-    passive = mj.dof_damping[motion.joints]
+    data = motion.data()
+    forward(motion, data, q)
+    tool = motion.jacobian(data, motion.mj.site("tool0").id)
+    (J_imu,), (tilt,), (up,) = imu_kinematics(motion, q[None])
+    (mass,), (gradient,) = matrices(motion, q[None])
+    passive = motion.mj.dof_damping[motion.joints]
     springs = arm.axes, arm.stiffness, arm.damping
-    up = -R_imu_base @ mj.opt.gravity
-    mass = motion.mass(data)
-    return LinearisedArm(q, mass, gradient, passive, *springs, J_tool, J_imu, tilt, up)
+    return LinearisedArm(q, mass, gradient, passive, *springs, tool, J_imu, tilt, up)
 
 
-def _gradients(motion: FreeMotion, q: Array, imu: int) -> tuple[Array, Array]:
-    """Central differences of the passive and gravity forces, and of gravity in the IMU's axes."""
+def at_rest(arm: NominalArm, phi: Array) -> Array:
+    """(n,) [rad], the arm's free joints with its motors held at phi (a,).
+
+    Raises RuntimeError when the springs cannot carry the arm.
+    """
+    motion = arm.motion
     mj, data = motion.mj, motion.data()
+    q = np.zeros(arm.n_free)
+    q[arm.axes] = phi
+    data.ctrl[:] = arm.spring_input(phi, np.zeros_like(phi))
+    spring = np.diag(arm.mj.jnt_stiffness[arm.mj.dof_jntid][motion.joints])
+    spring[arm.axes, arm.axes] += arm.stiffness
+    for _ in range(_NEWTON_STEPS):
+        motion.place(data, q)
+        data.qvel[:] = data.qacc[:] = 0.0
+        mujoco.mj_inverse(mj, data)
+        mujoco.mj_fwdActuation(mj, data)
+        missing = motion.forces(data, data.qfrc_inverse - data.qfrc_actuator)
+        if np.abs(missing).max() < _REST_TORQUE:
+            return q
+        q -= np.linalg.solve(spring, missing)
+    raise RuntimeError(f"no static equilibrium at motor angles {np.round(phi, 4).tolist()}")
 
-    def at(moved: Array) -> tuple[Array, Array]:
-        motion.place(data, moved)
-        mujoco.mj_forward(mj, data)
-        up = -data.site_xmat[imu].reshape(3, 3).T @ mj.opt.gravity
-        return motion.forces(data, data.qfrc_bias - data.qfrc_passive), up
 
-    force, up = np.empty((len(q), len(q))), np.empty((3, len(q)))
-    for i, turn in enumerate(_TURN * np.eye(len(q))):
-        (f1, u1), (f0, u0) = at(q + turn), at(q - turn)
-        force[:, i], up[:, i] = (f1 - f0) / (2.0 * _TURN), (u1 - u0) / (2.0 * _TURN)
-    return force, up
+def forward(motion: FreeMotion, data: mujoco.MjData, q: Array) -> None:
+    """Put the arm at q (n,) and compute all that follows from it."""
+    motion.place(data, q)
+    mujoco.mj_forward(motion.mj, data)
+
+
+def imu_kinematics(motion: FreeMotion, q: Array) -> tuple[Array, Array, Array]:
+    """Jacobian (N, 6, n), tilt (N, 3, n) and up (N, 3) of the IMU at q (N, n).
+
+    See `LinearisedArm`.
+    """
+    mj, data = motion.mj, motion.data()
+    site = mj.site("imu").id
+    J, up = np.empty((len(q), 6, q.shape[1])), np.empty((len(q), 3))
+    for i, angles in enumerate(q):
+        motion.place(data, angles)
+        mujoco.mj_fwdPosition(mj, data)
+        in_base = motion.jacobian(data, site)
+        R = data.site_xmat[site].reshape(3, 3).T
+        J[i, :3], J[i, 3:] = R @ in_base[:3], R @ in_base[3:]
+        up[i] = -R @ mj.opt.gravity
+    tilt = np.cross(up[:, :, None], J[:, 3:], axis=1)  # gravity turns against the unit
+    return J, np.ascontiguousarray(tilt), up
+
+
+def matrices(motion: FreeMotion, postures: Array) -> tuple[Array, Array]:
+    """Masses, and gradients of gravity and passive forces, (S, n, n) each, at (S, n)."""
+    data, n = motion.data(), postures.shape[1]
+    mass, gradient = np.empty((2, len(postures), n, n))
+
+    def force(q: Array) -> Array:
+        forward(motion, data, q)
+        return motion.forces(data, data.qfrc_bias - data.qfrc_passive)
+
+    for at, q in enumerate(postures):
+        for i, turn in enumerate(_TURN * np.eye(n)):
+            gradient[at, :, i] = (force(q + turn) - force(q - turn)) / (2.0 * _TURN)
+        forward(motion, data, q)
+        mass[at] = motion.mass(data)
+    return mass, gradient

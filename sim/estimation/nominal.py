@@ -40,13 +40,11 @@ class NominalCfg:
     """Factor on the damping of all gears."""
     payload: float = 0.0
     """Added to the mass of the tool [kg]."""
-    link_mass: float = 1.0
-    """Factor on mass and inertia of every body."""
     structure: bool = False
     """The hinges of the structure are known too."""
 
     def __post_init__(self) -> None:
-        for name in ("stiffness", "damping", "link_mass"):
+        for name in ("stiffness", "damping"):
             value = np.asarray(getattr(self, name))
             if not (np.isfinite(value).all() and (value > 0.0).all()):
                 raise ValueError(f"factors of {name} must be > 0, got {value.tolist()}")
@@ -160,9 +158,6 @@ def _replace_motors_by_springs(spec: mujoco.MjSpec, n_axes: int) -> None:
 
 
 def _reweigh(spec: mujoco.MjSpec, cfg: NominalCfg) -> None:
-    for body in spec.bodies:
-        body.mass *= cfg.link_mass
-        body.inertia = np.asarray(body.inertia) * cfg.link_mass
     if cfg.payload:
         tool = spec.body("tool")
         if tool is None:

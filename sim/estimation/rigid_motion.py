@@ -14,13 +14,14 @@ from armside.ilc.filters import ZeroPhaseButterworth
 from ..robot.linkage import FreeMotion
 from ..robot.servo import interpolate
 from .elasticity import Elasticity
-from .linearised_arm import LinearisedArm
+from .linearised_arm import LinearisedArm, forward, imu_kinematics, matrices
 from .nominal import NominalArm
-from .observer import ENCODER_FILTER
 
+ENCODER_FILTER = 60.0
+"""[Hz], zero-phase low-pass of the motor angles; far above the arm's modes, below the noise of
+differences of encoder counts."""
 REACH = 0.03
 """Largest change of a motor angle within which matrices are taken to be constant [rad]."""
-_TURN = 1e-6  # [rad], of the differences that gradients are made of
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +61,7 @@ class RigidMotion:
         at, arm, gears = int(self.middle[segment]), self.arm, springs.axes
         q = _posture(arm, self.phi[at])
         data = arm.motion.data()
-        _forward(arm.motion, data, q)
+        forward(arm.motion, data, q)
         structure, damping = springs.stiffness.copy(), springs.damping.copy()
         structure[gears] = damping[gears] = 0.0
         return LinearisedArm(
@@ -92,10 +93,11 @@ def rigid_motion(arm: NominalArm, time: Array, motor_angle: Array) -> RigidMotio
     q, q_dot, q_ddot = (_posture(arm, each) for each in (phi, phi_dot, phi_ddot))
     q_dot[0] = q_ddot[0] = 0.0  # a run starts at rest, where differences of counts are noise
     load, reading = inverse_dynamics(arm.motion, q, q_dot, q_ddot)
-    J, tilt, up = _imu(arm.motion, q)
+    J, tilt, up = imu_kinematics(arm.motion, q)
     segment = segments(phi)
     middle = np.array([int(np.flatnonzero(segment == s).mean()) for s in range(segment[-1] + 1)])
-    mass, gradient = _matrices(arm.motion, q[middle])
+    mass, gradient = matrices(arm.motion, q[middle])
+    gradient -= np.diag(arm.mj.jnt_stiffness.ravel()[arm.motion.joints])
     series = (time, phi, load, reading, J, tilt, up, segment)
     return RigidMotion(arm, *series, mass, gradient, middle)
 
@@ -129,41 +131,3 @@ def _posture(arm: NominalArm, phi: Array) -> Array:
     q = np.zeros((*phi.shape[:-1], arm.n_free))
     q[..., arm.axes] = phi
     return q
-
-
-def _forward(motion: FreeMotion, data: mujoco.MjData, q: Array) -> None:
-    motion.place(data, q)
-    mujoco.mj_forward(motion.mj, data)
-
-
-def _imu(motion: FreeMotion, q: Array) -> tuple[Array, Array, Array]:
-    """(N, 6, n), (N, 3, n) and (N, 3): see `RigidMotion`."""
-    mj, data = motion.mj, motion.data()
-    site = mj.site("imu").id
-    J, up = np.empty((len(q), 6, q.shape[1])), np.empty((len(q), 3))
-    for i, angles in enumerate(q):
-        motion.place(data, angles)
-        mujoco.mj_fwdPosition(mj, data)
-        in_base = motion.jacobian(data, site)
-        R = data.site_xmat[site].reshape(3, 3).T
-        J[i, :3], J[i, 3:] = R @ in_base[:3], R @ in_base[3:]
-        up[i] = -R @ mj.opt.gravity
-    tilt = np.cross(up[:, :, None], J[:, 3:], axis=1)  # gravity turns against the unit
-    return J, np.ascontiguousarray(tilt), up
-
-
-def _matrices(motion: FreeMotion, postures: Array) -> tuple[Array, Array]:
-    """Masses, and gradients of gravity and passive forces without springs, (S, n, n) each."""
-    data, n = motion.data(), postures.shape[1]
-    mass, gradient = np.empty((2, len(postures), n, n))
-
-    def force(q: Array) -> Array:
-        _forward(motion, data, q)
-        return motion.forces(data, data.qfrc_bias - data.qfrc_passive)
-
-    for at, q in enumerate(postures):
-        for i, turn in enumerate(_TURN * np.eye(n)):
-            gradient[at, :, i] = (force(q + turn) - force(q - turn)) / (2.0 * _TURN)
-        _forward(motion, data, q)
-        mass[at] = motion.mass(data)
-    return mass, gradient - np.diag(motion.mj.jnt_stiffness.ravel()[motion.joints])

@@ -22,9 +22,8 @@ from ..robot.model import RobotModel
 from .deflection import deflection
 from .elasticity import Elasticity, parameters_at
 from .estimator import ToolEstimator
-from .observer import ENCODER_FILTER
 from .relative_path import REST_SAMPLES
-from .rigid_motion import RigidMotion
+from .rigid_motion import ENCODER_FILTER, RigidMotion
 
 _STEP = 1e-3  # of the differences for sensitivities
 

@@ -1,14 +1,11 @@
-"""Evidence: a number and its band, tables of results, checks over many seeds, mean intervals."""
+"""Evidence: a number and its band, and tables of results."""
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-
-from armside.arrays import Array
 
 from ..notes import Note
 
@@ -83,37 +80,3 @@ class Table:
             if tuple(row[: len(beginning)]) == beginning:
                 return float(row[self.columns.index(column)])
         raise KeyError(f"no row of {self.title!r} begins with {beginning}")
-
-
-def held(by_seed: Mapping[int, Sequence[Check]], fraction: float = 1.0) -> list[Check]:
-    """Checks that each check holds for at least a fraction of the seeds, all in the same order."""
-    n = len(by_seed)
-    rule = "every seed" if fraction == 1.0 else f"at least {100 * fraction:.0f} % of the seeds"
-    found = []
-    for first, *others in zip(*by_seed.values(), strict=True):
-        holding = sum(check.holds for check in (first, *others))
-        words = f"{first.id}: {first.statement}: {first.band}, for {rule} ({holding} of {n})"
-        found.append(Check(first.id, words, first.thesis, holding, low=math.ceil(fraction * n)))
-    return found
-
-
-def over_seeds(title: str, by_seed: Mapping[int, Sequence[Check]], fraction: float = 1.0) -> Table:
-    """A row for each check, a column for each seed."""
-    verdicts = held(by_seed, fraction)
-    rows = []
-    for checks, verdict in zip(zip(*by_seed.values(), strict=True), verdicts, strict=True):
-        one, n = checks[0], f"{verdict.ours:.0f} of {len(checks)}"
-        rows.append((one.id, one.statement, one.thesis, one.band, *(c.ours for c in checks), n))
-    seeds = [f"seed {seed}" for seed in by_seed]
-    return Table(title, ("", "what", "thesis", "band", *seeds, "holds"), rows, verdicts)
-
-
-def mean_interval(values: Array, confidence: float = 0.95) -> tuple[float, float]:
-    """Interval by Student's t of the mean of values (n,); infinite for one value."""
-    from scipy.special import stdtrit
-
-    n, mean = len(values), float(np.mean(values))
-    if n < 2:
-        return -np.inf, np.inf
-    half = stdtrit(n - 1, 0.5 + 0.5 * confidence) * np.std(values, ddof=1) / np.sqrt(n)
-    return mean - float(half), mean + float(half)

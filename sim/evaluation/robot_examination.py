@@ -69,12 +69,12 @@ def checks_of(found: list[NamedPose]) -> list[Check]:
     what = "named poses out of reach or limits"
     if missed:
         what += f" ({missed[0].name}: {missed[0].problem})"
-    checks = [Check("", what, "", float(len(missed)), high=0.0)]
+    checks = [_check(what, len(missed), high=0.0)]
     reached = [one for one in found if one.motor_angle is not None]
     if reached:
         worst = min(reached, key=lambda one: one.dexterity)
         far = f"least over greatest singular value of the Jacobian, pose {worst.name}"
-        checks.append(Check("", far, "", worst.dexterity, low=LEAST_DEXTERITY))
+        checks.append(_check(far, worst.dexterity, low=LEAST_DEXTERITY))
     return checks
 
 
@@ -207,46 +207,30 @@ class Examination:
     def checks(self) -> list[Check]:
         """Verdicts, each with its number and band."""
         faster = np.max(np.array(self.cell.limits.speed) - self.model.drives.speed_limit)
+        margin, fastest = np.rad2deg(self.margins.min()), self.highest_mode * self.model.timestep
+        wrong = len(self.impossible_inertias)
+        stops = "hard stops beyond the controller's limits [deg]"
         found = [
-            *self._of_geometry(),
-            _at_most("closed chains: opening [um]", 1e6 * self.opening, 1e6 * LARGEST_GAP),
-        ]
-        found += [
-            Check(
-                "",
-                "hard stops beyond the controller's limits [deg]",
-                "",
-                float(np.rad2deg(self.margins.min())),
-                low=-float(np.rad2deg(ROUNDING)),
-            ),
-            _at_most("controller's speed above the drive's [rad/s]", float(faster), ROUNDING),
-            _at_most("torque of gravity over the drive's limit", float(self.holding.max()), 1.0),
-            _at_most("bodies with an impossible inertia", len(self.impossible_inertias), 0.0),
-            _at_most(
-                "highest mode of the springs times time step",
-                self.highest_mode * self.model.timestep,
-                HIGHEST_MODE,
-            ),
-        ]
-        if len(self.locked_modes):
-            lowest = float(self.locked_modes[0])
-            found.append(Check("", "lowest mode, motors locked [Hz]", "", lowest, low=LOWEST_MODE))
-        return found + checks_of(self.poses)
-
-    def _of_geometry(self) -> list[Check]:
-        return [
-            check
+            _check(f"site {one.site} off the D-H model [{unit}]", 1e6 * value, high=1e6 * most)
             for one in self.agreements
-            for check in (
-                _at_most(
-                    f"site {one.site} off the D-H model [um]", 1e6 * one.position, 1e6 * POSITION
-                ),
-                _at_most(
-                    f"site {one.site} off the D-H model [urad]", 1e6 * one.rotation, 1e6 * ROTATION
-                ),
+            for unit, value, most in (
+                ("um", one.position, POSITION),
+                ("urad", one.rotation, ROTATION),
             )
         ]
+        found += [
+            _check("closed chains: opening [um]", 1e6 * self.opening, high=1e6 * LARGEST_GAP),
+            _check(stops, margin, low=-float(np.rad2deg(ROUNDING))),
+            _check("controller's speed above the drive's [rad/s]", faster, high=ROUNDING),
+            _check("torque of gravity over the drive's limit", self.holding.max(), high=1.0),
+            _check("bodies with an impossible inertia", wrong, high=0.0),
+            _check("highest mode of the springs times time step", fastest, high=HIGHEST_MODE),
+        ]
+        if len(self.locked_modes):
+            lowest = self.locked_modes[0]
+            found.append(_check("lowest mode, motors locked [Hz]", lowest, low=LOWEST_MODE))
+        return found + checks_of(self.poses)
 
 
-def _at_most(statement: str, value: float, high: float) -> Check:
-    return Check("", statement, "", value, high=high)
+def _check(what: str, value: float, low: float | None = None, high: float | None = None) -> Check:
+    return Check("", what, "", float(value), low, high)

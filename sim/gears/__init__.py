@@ -7,13 +7,13 @@ orders are found by least squares in the frequency domain, each frequency weight
 """
 
 from .analysis import VIRTUAL as VIRTUAL
+from .analysis import Coverage as Coverage
 from .analysis import GearAnalysis as GearAnalysis
 from .analysis import GearsCfg as GearsCfg
 from .analysis import Judgement as Judgement
 from .analysis import analyse_gears as analyse_gears
-from .coverage import Coverage as Coverage
-from .coverage import coverage as coverage
-from .coverage import coverage_notes as coverage_notes
+from .analysis import coverage as coverage
+from .analysis import coverage_notes as coverage_notes
 from .judgement import Remaining as Remaining
 from .transmission import Transmission as Transmission
 from .virtual_run import Excitation as Excitation

@@ -21,7 +21,7 @@ EDGE = 1.5
 """[s] At both ends, where filters have not settled."""
 SAMPLES = 3.0
 """Sampling rate of an observation over the end of its band, at least."""
-SHORTEST = 5.0
+SHORTEST_SEEN = 5.0
 """[s] Of a recording that can be analysed."""
 ALIGNED_ON = 0.5
 """Fraction of a recording, from its start, that clock, base and tool of a tracker come from."""
@@ -96,7 +96,7 @@ def _stretch(seen: NDArray[np.bool_], part: tuple[float, float]) -> tuple[int, i
     """Samples from the first to the last that were seen, without the edges, of a part."""
     where, edge = np.flatnonzero(seen), int(EDGE * RATE)
     length = (where[-1] - where[0] if len(where) else 0) - 2 * edge
-    if length < SHORTEST * RATE:
+    if length < SHORTEST_SEEN * RATE:
         raise ValueError(f"{max(length, 0) / RATE:.3g} s were seen by the sensor and the encoders")
     first = int(where[0]) + edge
     return first + int(part[0] * length), first + int(part[1] * length)

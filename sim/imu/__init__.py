@@ -22,11 +22,11 @@ from .experiment import reprocessed as reprocessed
 from .experiment import results as results
 from .experiment import run_imu as run_imu
 from .experiment import run_one as run_one
+from .prediction import Compensation as Compensation
 from .prediction import Order as Order
+from .prediction import ProcessingCfg as ProcessingCfg
 from .prediction import Scheme as Scheme
 from .prediction import predict as predict
-from .processing import Compensation as Compensation
-from .processing import ProcessingCfg as ProcessingCfg
 from .specification import ImuExperiment as ImuExperiment
 from .specification import RestExperiment as RestExperiment
 from .vibration import run_rest as run_rest

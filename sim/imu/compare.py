@@ -14,8 +14,15 @@ from ..instruments.imu import ImuSamples
 from ..instruments.noise import rate_of
 from . import compensation
 from .compensation import cross_matrices
-from .prediction import Order, PredictedMotion, Scheme, predict, resample
-from .processing import Compensation, ProcessingCfg
+from .prediction import (
+    Compensation,
+    Order,
+    PredictedMotion,
+    ProcessingCfg,
+    Scheme,
+    predict,
+    resample,
+)
 
 COARSE = 0.01  # Grid of the first search [s], well below the time scale of the rotation
 READING = 0.02  # Standard deviation of a gyro reading about its prediction [rad/s]

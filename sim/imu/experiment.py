@@ -16,10 +16,19 @@ from ..robot.recording import Recording, saturation
 from ..robot.run import LoadedReference
 from ..robot.virtual_robot import LOG_PERIOD, VirtualRobot
 from .compare import find_offset
-from .evaluation import Evaluation, ImuRun, Measures, evaluate, measure, position
-from .phases import RECTANGLE, SLOW_CIRCLE, synchronised_at, under_way
-from .prediction import Order, Scheme
-from .processing import Compensation, ProcessingCfg
+from .evaluation import (
+    RECTANGLE,
+    SLOW_CIRCLE,
+    Evaluation,
+    ImuRun,
+    Measures,
+    evaluate,
+    measure,
+    position,
+    synchronised_at,
+    under_way,
+)
+from .prediction import Compensation, Order, ProcessingCfg, Scheme
 from .specification import ImuExperiment
 
 

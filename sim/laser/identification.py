@@ -8,13 +8,12 @@ import numpy as np
 from armside.arrays import Array
 
 from ..estimation.arm_filter import ProcessNoise
-from ..estimation.elasticity import names, nominal_elasticity
+from ..estimation.elasticity import names, nominal_elasticity, springs_entry
 from ..estimation.estimator import ToolEstimator
 from ..estimation.identification import identify
 from ..estimation.imu_health import repaired
 from ..estimation.linearised_arm import linearised
 from ..estimation.nominal import NominalArm, NominalCfg, nominal_arm
-from ..estimation.parameters_file import springs_entry
 from ..estimation.rigid_motion import rigid_motion
 from ..motion.tool_motion import motion_notes
 from ..robot.individual import as_built

@@ -12,13 +12,12 @@ from armside.ilc.laws import Law
 
 from ..estimation.commissioning import Commissioned, Commissioning, OnFault, commission
 from ..estimation.elasticity import ArmParameters
-from ..estimation.estimator import ToolEstimate
+from ..estimation.estimator import ToolEstimate, Validity, validity
 from ..estimation.imu_health import ImuError, repaired
 from ..estimation.nominal import NominalArm, NominalCfg, assumed_arm
 from ..estimation.relative_path import relative_to_start
 from ..estimation.structure import with_structure
 from ..estimation.tool_law import ToolLaw
-from ..estimation.validity import Validity, validity
 from ..instruments.imu import ImuCfg, exact
 from ..notes import Cause, Note
 from ..robot.drives import gear_error_of

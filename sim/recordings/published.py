@@ -24,9 +24,8 @@ from armside.arrays import Array
 from armside.kinematics.calibration import Measurements
 
 from ..records.files import LARGEST_DATA, check_file
-from .bags.streams import UR
-from .recording import MotionRecording, PoseRecording, Stream
-from .repair import repaired
+from .bags.read import UR
+from .recording import MotionRecording, PoseRecording, Stream, repaired
 
 MM = 1e-3
 DRIFT = 0.3e-3

@@ -1,8 +1,12 @@
-"""Recordings of real arms, in motion or of poses, and their plausibility for a robot."""
+"""Recordings of real arms, in motion or of poses: their plausibility, and repair of their samples.
+
+What is wrong is dropped and counted, never guessed: later steps interpolate over time stamps.
+"""
 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from armside.arrays import Array
 from armside.kinematics import Limits
@@ -85,3 +89,110 @@ def check_angles(limits: Limits, recording: MotionRecording) -> None:
             unit = "is it this robot?"
         text = f"reaches {angles[worst]:.3g}, its limit is {bound[worst]:.3g} rad; {unit}"
         raise ValueError(f"{recording.name}: motor_angle_{worst + 1} {text}")
+
+
+SPIKE = 8.0
+"""Deviation from the neighbours, in robust standard deviations, from which a sample is wrong.
+Real encoders hold a value for one more cycle of the controller now and then."""
+ROUNDS = 6
+"""Repetitions of the search: a spike hides its neighbours."""
+GAP = 5.0
+"""Step in time, relative to the median step, that is reported as a gap."""
+LOST = 0.2
+"""Fraction of samples that may be missing or wrong."""
+BACKWARDS = 0.01
+"""Fraction of steps in time that may go backwards."""
+FEWEST = 100
+"""Samples of a stream that can be analysed."""
+LONGEST = 1800.0
+"""[s] Of a stream that can be analysed."""
+LARGEST = 1e6
+"""[SI] Value that no instrument gives."""
+
+
+def repaired(name: str, time: Array, values: Array) -> tuple[Stream, tuple[str, ...]]:
+    """Stream without repeated stamps, missing values and spikes, and what was dropped.
+
+    Args:
+        name: of the instrument, for notes and errors.
+        time: (N,) [s]. values: (N, m), NaN where missing.
+
+    Raises:
+        ValueError: too short or long, too much missing, or a clock that runs backwards.
+    """
+    if len(time) < FEWEST:
+        raise ValueError(f"{name}: {len(time)} samples; at least {FEWEST} are needed")
+    whole = np.isfinite(time) & np.isfinite(values).all(axis=1)
+    _refuse_most(name, "are not finite", ~whole)
+    time, values = time[whole], values[whole]
+    if (largest := float(np.abs(values).max())) > LARGEST:
+        raise ValueError(f"{name}: values reach {largest:.3g}; at most {LARGEST:g} can be right")
+    steps = np.diff(time)
+    if (back := steps < 0.0).mean() > BACKWARDS:
+        row = int(np.flatnonzero(back)[0]) + 2
+        raise ValueError(f"{name}: the clock runs backwards, first in sample {row}")
+    reached = np.maximum.accumulate(time)
+    _refuse_most(name, "are older than those before them: the clock is set back", time < reached)
+    forward = np.r_[True, time[1:] > reached[:-1]]
+    time, values = time[forward], values[forward]
+    if not 0.0 < (length := time[-1] - time[0]) <= LONGEST:
+        raise ValueError(f"{name}: {length:.3g} s of samples; at most {LONGEST:g} s can be used")
+    kept = _without_spikes(time, values)
+    _refuse_most(name, "lie off their neighbours", ~kept)
+    stream = Stream(time[kept], values[kept])
+    return stream, _notes(name, stream, (~whole).sum(), (~forward).sum(), (~kept).sum())
+
+
+def _refuse_most(name: str, fault: str, bad: NDArray[np.bool_]) -> None:
+    if bad.mean() > LOST:
+        raise ValueError(f"{name}: {100 * bad.mean():.0f} % of the samples {fault}")
+
+
+def _notes(name: str, stream: Stream, missing: int, repeated: int, spikes: int) -> tuple[str, ...]:
+    steps = np.diff(stream.time)
+    gaps = steps[steps > GAP * np.median(steps)]
+    counts = {"not finite": missing, "with a repeated or older stamp": repeated}
+    counts["off their neighbours"] = spikes
+    said = [f"{number} {fault}" for fault, number in counts.items() if number]
+    notes = [f"{name}: samples dropped: {', '.join(said)}"] if said else []
+    if len(gaps):
+        longest = 1e3 * gaps.max()
+        notes.append(f"{name}: {len(gaps)} gaps are bridged, the longest {longest:.0f} ms")
+    return tuple(notes)
+
+
+def _without_spikes(time: Array, values: Array) -> NDArray[np.bool_]:
+    """Mask of the samples that agree with a cubic through two neighbours on either side."""
+    rows = np.arange(len(time))
+    scale = np.maximum(values.std(axis=0), np.finfo(float).tiny)
+    for _ in range(ROUNDS):
+        off = _deviation(time[rows], values[rows] / scale)
+        largest = np.max([np.roll(off, k) for k in range(-2, 3)], axis=0)
+        bad = (off > SPIKE * 1.4826 * np.median(off)) & (off == largest)
+        if not bad.any():
+            break
+        rows = rows[~bad]
+    kept = np.zeros(len(time), dtype=bool)
+    kept[rows] = True
+    return kept
+
+
+def _deviation(time: Array, values: Array) -> Array:
+    """Distance of each sample from the cubic through its neighbours, (N,).
+
+    Zero at the ends and beside gaps, which a cubic does not span.
+    """
+    inner, others = np.arange(2, len(time) - 2), (-2, -1, 1, 2)
+    expected = np.zeros((len(inner), values.shape[1]))
+    for a in others:
+        weight = np.ones(len(inner))
+        for b in others:
+            if a != b:
+                span = time[inner + a] - time[inner + b]
+                weight *= (time[inner] - time[inner + b]) / span
+        expected += weight[:, None] * values[inner + a]
+    off = np.zeros(len(time))
+    span = time[inner + 2] - time[inner - 2]
+    near = span <= GAP * np.median(span)
+    off[inner] = near * np.linalg.norm(values[inner] - expected, axis=1)
+    return off

@@ -92,7 +92,10 @@ class Objective:
     @property
     def notes(self) -> list[Note]:
         """Notes of the episodes before learning: of their motions, and of their first runs."""
-        each = ((*_motion(s.experiment), *s.notes) for s in self._first)
+        each = (
+            (*motion_notes(s.experiment.motion, s.experiment.cut.limits), *s.notes)
+            for s in self._first
+        )
         return counted(each, _EPISODES)
 
     def ratios(self, design: Design) -> Iterator[Ratio]:
@@ -125,10 +128,6 @@ class Objective:
         measured = mean_ratio((s.measured.rms, first.measured.rms) for s, first in pairs)
         true = mean_ratio((s.true.rms, first.true.rms) for s, first in pairs)
         return Ratio(measured, true, tuple(counted((s.notes for s in situations), _EPISODES)))
-
-
-def _motion(experiment: Experiment) -> Iterator[Note]:
-    return motion_notes(experiment.motion, experiment.cut.limits)
 
 
 def mean_ratio(pairs: Iterable[tuple[float, float]]) -> float:

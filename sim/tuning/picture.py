@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from .rules import Rules
-from .sensor import RewardSensor
-from .situation import Situation
+from .situation import RewardSensor, Situation
 
 WIDTH, HEIGHT, DPI = 640, 320, 80
 MAGNIFICATIONS = (20.0, 10.0, 5.0, 2.0)

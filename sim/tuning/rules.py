@@ -21,13 +21,12 @@ from ..robot.kinematics_check import cell_model
 from ..robot.model import RobotModel
 from ..robot.spread import Drawn, check_applies
 from ..robot_file.find import find_cell
-from ..twin.correction import Corrected
+from ..twin.prediction import Corrected
 from ..twin.twin import learned, stored_twin
 from . import task
 from .action import LARGEST_COUNT, VARIABLES, Coefficients, CorrectionBasis, Motors, design_of
 from .observation import Layout
-from .sensor import RewardSensor, Sensor
-from .situation import Situation, advance, begin
+from .situation import RewardSensor, Sensor, Situation, advance, begin
 from .task import TEST_SEEDS, Shapes, Task, shapes_of, whole
 
 WORST_REWARD = -5.0  # Reward of a run that diverged; also the bound of every other

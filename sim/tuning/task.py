@@ -91,11 +91,14 @@ def check_shape(value: Any) -> str:
 
 def check_radius(value: Any) -> float:
     """A radius [m]. Raises ValueError for what is no number in range."""
+    return _number("radius", value, SMALLEST, LARGEST, f"from {SMALLEST:g} to {LARGEST:g} m")
+
+
+def _number(name: str, value: Any, low: float, high: float, limits: str) -> float:
     numbers = int | float | np.integer | np.floating
     number = isinstance(value, numbers) and not isinstance(value, bool)
-    if not (number and SMALLEST <= value <= LARGEST):
-        limits = f"from {SMALLEST:g} to {LARGEST:g} m"
-        raise ValueError(f"radius must be a number {limits}, got {value!r}")
+    if not (number and low <= value <= high):
+        raise ValueError(f"{name} must be a number {limits}, got {value!r}")
     return float(value)
 
 
@@ -223,15 +226,9 @@ def _option(cell: Cell, name: str, value: Any) -> Any:
         return value if isinstance(value, Drawn | Individual) else whole("individual", value, 0)
     if name == "payload" and value is None:
         return None
-    numbers = int | float | np.integer | np.floating
-    number = isinstance(value, numbers) and not isinstance(value, bool)
-    if name == "payload" and not (number and 0.0 <= value < np.inf):
-        raise ValueError(f"payload must be a number >= 0 kg, got {value!r}")
-    if name == "speed" and not (number and SLOWEST <= value <= FASTEST):
-        raise ValueError(
-            f"speed must be a number from {SLOWEST:g} to {FASTEST:g} m/s, got {value!r}"
-        )
-    return float(value)
+    if name == "payload":
+        return _number(name, value, 0.0, np.finfo(float).max, ">= 0 kg")
+    return _number(name, value, SLOWEST, FASTEST, f"from {SLOWEST:g} to {FASTEST:g} m/s")
 
 
 def experiment(

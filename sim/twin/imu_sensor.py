@@ -12,7 +12,7 @@ gyroscope is left out: at 5 Hz the tool's motion is 30 times smaller to it, in i
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -21,25 +21,26 @@ from armside.arrays import Array
 from armside.ilc.filters import ZeroPhaseButterworth
 
 from ..estimation.imu_health import ImuError, repaired
-from ..estimation.observer import ENCODER_FILTER
+from ..estimation.rigid_motion import ENCODER_FILTER
 from ..instruments.imu import ImuCfg, ImuSamples, TriadCfg
 from ..robot.mjcf import N_AXES
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
 from ..robot.virtual_robot import LOG_PERIOD
-from .kinematic_columns import ImuKinematics, gear_waves, imu_kinematics
 from .recordings import ImplausibleError, MeasuredCut
 from .simulation import motor_path
-from .tool_sensor import Channels, ResidualScale
+from .tool_sensor import ImuKinematics, ToolSensor, gear_waves, imu_kinematics
 
+CFG = ImuCfg()
+"""Kind of unit, as its data sheet has it."""
+CUTOFF = 10.0
+"""[Hz], of Q."""
 _FREE = 1e3
 """Standard deviation of bias and its drift [m/s^2]: nothing is known of them."""
 _EXACT = 1e-9
 """Standard deviation of what a data sheet says to be exact."""
 _SYNCHRONISED = 3.0
 """[Hz], below which readings are compared: springs hardly delay them."""
-_DISPLACEMENT = 20e-6
-"""[m], of the tool for a residual of one: at 4 Hz. ESTIMATE."""
 _REST = 10
 """Samples before the arm moves: 0.1 s."""
 _LARGEST_TILT = 0.1
@@ -118,56 +119,38 @@ def clock_offset(
     return float(found.x)
 
 
-@dataclass(frozen=True, kw_only=True)
-class ImuSensor:
-    """IMU as the sensor of identification. Residuals are in units of its white noise."""
-
-    cfg: ImuCfg = field(default_factory=ImuCfg)
-    """Kind of unit, as its data sheet has it."""
-    cutoff: float = 10.0
-    """[Hz], of Q."""
-
-    @property
-    def channels(self) -> tuple[Channels, ...]:
-        independent = 2.0 * self.cutoff / self.cfg.rate
-        return (Channels(slice(0, 3), 1.0, float(1.0 / np.sqrt(independent))),)
-
-    @property
-    def scale(self) -> ResidualScale:
-        return ResidualScale(
-            "acceleration of the tool", "× noise", 1.0, _DISPLACEMENT, unsuspicious=5.0
+def check_imu(model: RobotModel, cut: MeasuredCut) -> None:
+    """Raise ImplausibleError for a cut without an IMU, or against the nominal robot."""
+    if cut.imu is None:
+        raise ImplausibleError(f"{cut.name} has no samples of an IMU")
+    try:
+        rest = np.nanmean(repaired(cut.imu, CFG).acceleration[:_REST], axis=0)
+    except ImuError as error:
+        raise ImplausibleError(f"{cut.name}: {error}") from error
+    still = cut.motor_angle[:1].repeat(3, axis=0)
+    expected = imu_kinematics(model, still, LOG_PERIOD).reading[0]
+    off = float(np.linalg.norm(rest - expected) / np.linalg.norm(expected))
+    if off > _LARGEST_TILT:
+        raise ImplausibleError(
+            f"{cut.name}: the IMU reads {_vector(rest)} m/s^2 at rest, where gravity is "
+            f"{_vector(expected)}: another mounting, or another unit"
         )
-
-    def check(self, model: RobotModel, cut: MeasuredCut) -> None:
-        if cut.imu is None:
-            raise ImplausibleError(f"{cut.name} has no samples of an IMU")
-        try:
-            rest = np.nanmean(repaired(cut.imu, self.cfg).acceleration[:_REST], axis=0)
-        except ImuError as error:
-            raise ImplausibleError(f"{cut.name}: {error}") from error
-        still = cut.motor_angle[:1].repeat(3, axis=0)
-        expected = imu_kinematics(model, still, LOG_PERIOD).reading[0]
-        off = float(np.linalg.norm(rest - expected) / np.linalg.norm(expected))
-        if off > _LARGEST_TILT:
-            raise ImplausibleError(
-                f"{cut.name}: the IMU reads {_vector(rest)} m/s^2 at rest, where gravity is "
-                f"{_vector(expected)}: another mounting, or another unit"
-            )
-
-    def comparison(self, model: RobotModel, cut: MeasuredCut) -> "ImuComparison":
-        assert cut.imu is not None
-        return ImuComparison(self, model, cut.motor_angle, repaired(cut.imu, self.cfg))
 
 
 @dataclass(frozen=True, eq=False)
 class ImuComparison:
-    """See `CutComparison`."""
+    """See `CutComparison`. Residuals are in units of the unit's white noise."""
 
-    sensor: ImuSensor
     model: RobotModel
-    motor_angle: Array
-    samples: ImuSamples
-    """On an even timeline, NaN where one is missing."""
+    cut: MeasuredCut
+    cutoff: float = CUTOFF
+    """[Hz], of Q."""
+
+    @cached_property
+    def samples(self) -> ImuSamples:
+        """On an even timeline, NaN where one is missing."""
+        assert self.cut.imu is not None
+        return repaired(self.cut.imu, CFG)
 
     def residual(self, run: Recording) -> Array:
         ideal, step = _ideal(run)
@@ -185,18 +168,18 @@ class ImuComparison:
         return self._cleaned(change - self._sampling(by_motors, LOG_PERIOD, offset))
 
     def by_kinematics(self) -> Mapping[str, Array]:
-        waves = gear_waves(self.model, self.motor_angle).reshape(-1, N_AXES, 1, 8)
+        waves = gear_waves(self.model, self.cut.motor_angle).reshape(-1, N_AXES, 1, 8)
         each = (np.eye(N_AXES)[:, :, None] * waves).reshape(-1, N_AXES, N_AXES * 8)
         change = self._kinematics.change(each)
         return {"gear_error": self._cleaned(self._sampling(change, LOG_PERIOD, self._rigid_offset))}
 
     @cached_property
     def _sampling(self) -> UnitSampling:
-        return UnitSampling(self.sensor.cfg.accelerometer, self.samples.time)
+        return UnitSampling(CFG.accelerometer, self.samples.time)
 
     @cached_property
     def _smooth(self) -> Array:
-        return ZeroPhaseButterworth(ENCODER_FILTER, LOG_PERIOD)(self.motor_angle)
+        return ZeroPhaseButterworth(ENCODER_FILTER, LOG_PERIOD)(self.cut.motor_angle)
 
     @cached_property
     def _kinematics(self) -> ImuKinematics:
@@ -211,8 +194,8 @@ class ImuComparison:
 
     def _offset(self, ideal: Array, step: float) -> float:
         """Robot time less unit time [s], by ideal readings (M, 3)."""
-        expected, largest = self._sampling.filtered(ideal, step), self.sensor.cfg.clock_offset
-        return clock_offset(self.samples.time, self._reading, expected, step, largest)
+        expected = self._sampling.filtered(ideal, step)
+        return clock_offset(self.samples.time, self._reading, expected, step, CFG.clock_offset)
 
     @cached_property
     def _rigid_offset(self) -> float:
@@ -228,14 +211,13 @@ class ImuComparison:
     @cached_property
     def _errors(self) -> tuple[Array, Array]:
         """Columns (3 K, e) of the unit's errors, and the matrix that fits them."""
-        columns, deviation = unit_errors(self.samples.time, self._reading, self.sensor.cfg)
+        columns, deviation = unit_errors(self.samples.time, self._reading, CFG)
         A = self._low_passed(columns).reshape(-1, len(deviation))
         return A, np.asarray(np.linalg.solve(A.T @ A + np.diag(deviation**-2.0), A.T), np.float64)
 
     def _low_passed(self, reading: Array) -> Array:
-        cfg = self.sensor.cfg
-        noise = cfg.accelerometer.noise_density * np.sqrt(0.5 * cfg.rate)
-        smooth = ZeroPhaseButterworth(self.sensor.cutoff, 1.0 / cfg.rate)
+        noise = CFG.accelerometer.noise_density * np.sqrt(0.5 * CFG.rate)
+        smooth = ZeroPhaseButterworth(self.cutoff, 1.0 / CFG.rate)
         return smooth(reading.reshape(len(reading), -1) / noise).reshape(reading.shape)
 
 
@@ -246,3 +228,16 @@ def _ideal(run: Recording) -> tuple[Array, float]:
 
 def _vector(values: Array) -> str:
     return f"[{', '.join(f'{value:.3g}' for value in values)}]"
+
+
+IMU = ToolSensor(
+    noise=1.0,
+    correlation=float(1.0 / np.sqrt(2.0 * CUTOFF / CFG.rate)),
+    quantity="acceleration of the tool",
+    unit="× noise",
+    factor=1.0,
+    displacement=20e-6,  # at 4 Hz. ESTIMATE.
+    unsuspicious=5.0,
+    check=check_imu,
+    comparison=ImuComparison,
+)

@@ -19,7 +19,7 @@ from armside.arrays import Array
 from ..robot.drives import N_HARMONICS
 from ..robot.individual import Individual
 from ..robot.mjcf import N_AXES
-from .bending import DIRECTIONS, LINKS, MEAN, hinges
+from .simulation import DIRECTIONS, LINKS, MEAN, hinges
 
 _STIFFEST = 0.25
 """Least compliance of a spring relative to the design."""
@@ -90,26 +90,29 @@ class Parameters:
     @property
     def mean(self) -> Array:
         """(m,), of the prior."""
-        return np.concatenate([np.full(block.size, block.mean) for block in self.blocks])
+        return self._each("mean")
 
     @property
     def standard_deviation(self) -> Array:
         """(m,), of the prior."""
-        return np.concatenate([np.full(block.size, block.prior) for block in self.blocks])
+        return self._each("prior")
 
     @property
     def lower(self) -> Array:
-        return np.concatenate([np.full(block.size, block.lower) for block in self.blocks])
+        """(m,), bounds, as `upper`."""
+        return self._each("lower")
 
     @property
     def upper(self) -> Array:
-        """(m,), bounds."""
-        return np.concatenate([np.full(block.size, block.upper) for block in self.blocks])
+        return self._each("upper")
 
     @property
     def step(self) -> Array:
         """(m,), largest change in one step."""
-        return np.concatenate([np.full(block.size, block.step) for block in self.blocks])
+        return self._each("step")
+
+    def _each(self, name: str) -> Array:
+        return np.concatenate([np.full(b.size, getattr(b, name)) for b in self.blocks])
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -127,11 +130,8 @@ class Parameters:
             if block.name == name:
                 return slice(start, start + block.size)
             start += block.size
-        raise ValueError(f"Unknown block {name!r}. Blocks: {', '.join(self._names)}")
-
-    @property
-    def _names(self) -> tuple[str, ...]:
-        return tuple(block.name for block in self.blocks)
+        known = ", ".join(block.name for block in self.blocks)
+        raise ValueError(f"Unknown block {name!r}. Blocks: {known}")
 
     def values(self, theta: Array) -> dict[str, Array]:
         """Blocks by name, in their shapes."""

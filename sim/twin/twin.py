@@ -13,17 +13,16 @@ import numpy as np
 from armside.arrays import Array
 
 from ..cell import CELLS
-from ..laser.experiment import Experiment
+from ..laser.experiment import Experiment, prepare
 from ..laser.specification import Cut, Setup
 from ..records.files import InputError, check_file
 from ..robot.effects import gear_phases
 from ..robot.individual import Individual
 from ..robot.mjcf import N_AXES
 from ..robot.recording import Recording
-from .correction import Corrected, correct, correct_experiment
 from .identification import parameters_of
 from .parameters import Parameters
-from .prediction import Evidence, members
+from .prediction import Corrected, Evidence, correct, members
 from .recordings import SensorName
 from .simulation import RobotDesign, design_of, robot_digest
 
@@ -102,7 +101,9 @@ class Twin:
         """
         self.check(cut)
         design = self.design_with(cut.payload)
-        return correct(design, self.individual, self.around, cut, self.evidence)
+        plain = replace(cut, individual=None, friction_spread=0.0)
+        nominal = design.nominal if design.payload is None else None
+        return self.correction_of(prepare(plain, nominal=nominal))
 
     def correction_of(self, experiment: Experiment) -> Corrected:
         """Correction for the first run of an experiment, such as that of a whole part.
@@ -112,7 +113,7 @@ class Twin:
         cut = experiment.cut
         self.check(cut)
         design = self.design_with(cut.payload)
-        return correct_experiment(design, self.individual, self.around, experiment, self.evidence)
+        return correct(design, self.individual, self.around, experiment, self.evidence)
 
     @property
     def around(self) -> list[Individual]:

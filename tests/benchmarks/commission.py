@@ -7,7 +7,7 @@ from dataclasses import replace
 from armside.sim.robot.run import cores
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin import commission as commissioning
-from armside.sim.twin.plan import plan, recorded
+from armside.sim.twin.commission import plan, recorded
 
 from ._timing import Row, interleaved, peak_memory
 

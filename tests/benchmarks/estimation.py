@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+from tests.sim.estimation.extended_arm import ExtendedArm
+
 from armside import kinematics
 from armside.sim.estimation.arm_filter import ProcessNoise
 from armside.sim.estimation.elasticity import nominal_elasticity
 from armside.sim.estimation.estimator import ToolEstimator
-from armside.sim.estimation.extended_arm import ExtendedArm
 from armside.sim.estimation.identification import identify
 from armside.sim.estimation.imu_health import repaired
 from armside.sim.estimation.rigid_motion import rigid_motion

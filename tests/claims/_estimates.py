@@ -10,7 +10,6 @@ from armside.ilc.estimation.consistency import normalised_squared
 from armside.sim.estimation.elasticity import SpringPrior as SpringPrior
 from armside.sim.estimation.imu_health import ImuError as ImuError
 from armside.sim.estimation.imu_health import repaired
-from armside.sim.estimation.kinematic_filter import kinematic_deviation
 from armside.sim.estimation.relative_path import relative_to_start
 from armside.sim.estimation.rigid_motion import rigid_motion
 from armside.sim.estimation.tool_law import ToolLawKind as ToolLawKind
@@ -22,6 +21,8 @@ from armside.sim.laser.results import notes
 from armside.sim.laser.specification import Cut
 from armside.sim.laser.tool_measure import Source, ToolOutput, ToolPath
 from armside.sim.notes import Tally
+
+from ._kinematic_filter import kinematic_deviation
 
 
 def rigid_path(run: Pass, robot: kinematics.Robot = kinematics.LARGE_ROBOT) -> Array:

@@ -15,8 +15,8 @@ from armside.sim.laser.specification import Cut
 from armside.sim.motion.tool_motion import motion_notes
 from armside.sim.notes import Tally
 from armside.sim.robot.spread import Drawn
-from armside.sim.twin.correction import Corrected
-from armside.sim.twin.plan import plan, recorded
+from armside.sim.twin.commission import plan, recorded
+from armside.sim.twin.prediction import Corrected
 from armside.sim.twin.recordings import MeasuredCut
 from armside.sim.twin.twin import Twin
 

@@ -9,9 +9,9 @@ from armside.scripts.thesis.chapter9 import bands
 from armside.scripts.thesis.chapter9.bands import MOST_MOVED, POSES, SPEEDS
 from armside.scripts.thesis.chapter9.identification import LAW
 from armside.scripts.thesis.chapter9.table import STUDIES, Study
-from armside.sim.evaluation.check import held
 
 from ._engine import Check, Claim, Row, Rows, Tally
+from ._seeds import held
 
 FRACTION = 0.8  # fraction of the seeds at which each band must hold: four of five
 NAMED = ("position", "stability", "identification", "operating point", "shift, arm", "cutoff")

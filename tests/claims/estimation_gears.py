@@ -14,12 +14,13 @@ from armside.kinematics import Arm
 from armside.kinematics.robot_file import GearTerm
 from armside.sim.cell import LARGE_CELL
 from armside.sim.gears import VIRTUAL, GearAnalysis, analyse_gears
-from armside.sim.gears.virtual_run import RUNS, discrepancies, recorded
+from armside.sim.gears.virtual_run import RUNS, recorded
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.specification import Cut
 
 from ._engine import Check, Claim, Row, Rows, Tally, all_hold
 from ._estimates import case, from_estimate
+from ._gear_errors import discrepancies
 from ._learned import POSES
 
 FIVE, TEN = 5, 10

@@ -15,9 +15,8 @@ from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.specification import Cut
 from armside.sim.robot.spread import Drawn
-from armside.sim.twin.commission import commission
-from armside.sim.twin.drift import refreshed
-from armside.sim.twin.plan import MOST
+from armside.sim.twin.commission import MOST, commission
+from armside.sim.twin.first_cut import refreshed
 from armside.sim.twin.recordings import MeasuredCut, measured
 from armside.sim.twin.twin import Twin
 

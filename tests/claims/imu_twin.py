@@ -21,8 +21,7 @@ from armside.sim.motion.tool_motion import ToolMotion, motion_notes
 from armside.sim.robot.individual import Individual
 from armside.sim.robot.recording import saturation
 from armside.sim.robot.spread import Drawn
-from armside.sim.twin.commission import commission
-from armside.sim.twin.plan import MOST
+from armside.sim.twin.commission import MOST, commission
 from armside.sim.twin.simulation import tool_path
 from armside.sim.twin.twin import Twin
 

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 
 from armside.scripts.thesis.chapter9 import bands
 from armside.scripts.thesis.chapter9.bands import POSES
-from armside.sim.evaluation.check import held
 from armside.sim.laser.specification import Cut
 
 from ._engine import Check, Claim, Row, Rows, Tally
 from ._learned import learned
+from ._seeds import held
 
 SHOWN = ("a1", "a3", "a4", "b1", "b6", "b7")
 """Checks of chapter 9 that hold for every robot and noise."""

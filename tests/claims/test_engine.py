@@ -7,13 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from armside.sim.evaluation.check import Check, Table, all_hold, over_seeds
+from armside.sim.evaluation.check import Check, Table, all_hold
 from armside.sim.notes import Cause, Note
 
 from .. import evidence
 from . import __main__ as command
 from ._engine import JUDGED, ROOT, Claim, Rows, code, judged
 from ._pages import index, page
+from ._seeds import held
 
 HIT = Note(cause=Cause.SATURATION, text="drives saturate")
 RAN: list[int] = []
@@ -153,9 +154,7 @@ def test_a_row_of_the_wrong_length_is_refused():
 @pytest.mark.parametrize(("fraction", "holds"), [(1.0, False), (0.75, True)])
 def test_a_check_must_hold_for_a_fraction_of_the_seeds(fraction, holds):
     by_seed = {seed: [Check("a", "error", "small", seed, high=2.0)] for seed in range(4)}
-    table = over_seeds("Errors", by_seed, fraction)
-    assert table.rows == [("a", "error", "small", "≤ 2", 0.0, 1.0, 2.0, 3.0, "3 of 4")]
-    (verdict,) = table.verdicts
+    (verdict,) = held(by_seed, fraction)
     assert verdict.holds is holds
     assert "(3 of 4)" in verdict.statement
 

@@ -10,13 +10,13 @@ from dataclasses import replace
 import numpy as np
 
 from armside.arrays import Array
-from armside.sim.evaluation.check import mean_interval
 from armside.sim.tuning.action import Motors
 from armside.sim.tuning.rules import Rules
 
 from . import _episodes
 from ._engine import Check, Claim, Row, Rows, Tally, all_hold, at_once
 from ._episodes import BY_MODELS, BY_POLICY, BY_SEARCH, BY_THESIS
+from ._seeds import mean_interval
 
 SIGNIFICANT = 3.0  # standard errors by which a mean must be better than another
 

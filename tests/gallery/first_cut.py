@@ -12,8 +12,7 @@ from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.specification import Cut
 from armside.sim.part.contour_file import rounded
 from armside.sim.robot.spread import Drawn
-from armside.sim.twin.commission import commission
-from armside.sim.twin.plan import plan, recorded
+from armside.sim.twin.commission import commission, plan, recorded
 
 HOUSE = ((-10.0, -6.0), (10.0, -6.0), (10.0, 6.0), (0.0, 9.0), (-10.0, 6.0))
 """[mm], corners of the part in docs/examples/house.toml."""

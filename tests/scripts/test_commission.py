@@ -94,7 +94,7 @@ def test_learning_goes_on_from_a_twin_and_does_not_lose_what_it_knew(armside, tw
 
 
 def test_a_twin_that_is_not_trusted_leaves_learning_as_it_is_without(armside, twin, monkeypatch):
-    monkeypatch.setattr("armside.sim.twin.correction.LARGEST_FRACTION", 0.0)
+    monkeypatch.setattr("armside.sim.twin.prediction.LARGEST_FRACTION", 0.0)
     library._learned.cache_clear()
     line = f"laser --individual {INDIVIDUAL} --iterations 2 --json"
     by_twin, plain = (

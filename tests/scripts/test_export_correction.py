@@ -10,7 +10,6 @@ import pytest
 from armside import kinematics
 from armside.scripts.cli import main
 from armside.sim.cell import LARGE_CELL
-from armside.sim.controller.messages import degrees
 from armside.sim.controller.stored_correction import read_correction
 from armside.sim.records import read_run
 from armside.sim.records.tables import read_table, units
@@ -80,7 +79,7 @@ def test_rsi_messages_hold_the_correction_in_degrees(export, last):
     lines = [ET.fromstring(line) for line in Path("joint-correction.rsi").read_text().splitlines()]
     axes = [line.findall("AKorr")[0].attrib for line in lines]
     said = [[float(axis[f"A{i}"]) for i in range(1, 7)] for axis in axes]
-    np.testing.assert_array_equal(said, degrees(last.correction))
+    np.testing.assert_array_equal(said, np.rad2deg(last.correction))
     assert [line.findtext("IPOC") for line in lines[:3]] == ["0", "4", "8"]
 
 
@@ -93,7 +92,7 @@ def test_egm_messages_hold_the_joint_path_in_degrees(export, last):
         size, data = data[0], data[1:]  # below 128: one byte of varint
         message, data = kind.FromString(data[:size]), data[size:]
         found.append(list(message.planned.joints.joints))
-    np.testing.assert_array_equal(found, degrees(last.reference + last.correction))
+    np.testing.assert_array_equal(found, np.rad2deg(last.reference + last.correction))
 
 
 def test_learning_starts_from_a_correction_in_a_file(export, place, capsys):

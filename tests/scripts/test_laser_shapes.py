@@ -13,8 +13,12 @@ from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.specification import contour, cut, measure
 from armside.scripts.figures import laser as kerf_figure
 from armside.scripts.shell.errors import InputError
-from armside.sim.estimation.elasticity import ArmParameters, Elasticity
-from armside.sim.estimation.parameters_file import read_parameters, springs_entry
+from armside.sim.estimation.elasticity import (
+    ArmParameters,
+    Elasticity,
+    read_parameters,
+    springs_entry,
+)
 from armside.sim.evaluation.kerf import Kerf
 from armside.sim.motion.contour import Circle
 

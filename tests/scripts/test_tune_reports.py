@@ -17,7 +17,7 @@ from armside.scripts.studies.search import search
 from armside.scripts.studies.study import Outcome
 from armside.sim.laser.design import THESIS
 from armside.sim.tuning.action import Motors
-from armside.sim.tuning.sensor import RewardSensor
+from armside.sim.tuning.situation import RewardSensor
 
 from .quick_tuning import QUICK, opened
 

@@ -1,20 +1,17 @@
 """A recording as a ROS 2 bag: a folder with an MCAP file and its metadata."""
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from armside.arrays import Array
+
 from ...records.files import InputError
 from ..recording import MotionRecording, Stream
 from .messages import BILLION
-
-TOPICS = {"encoders": "/joint_states", "imu": "/imu", "tracker": "/target"}
-KINDS = {"encoders": "JointState", "imu": "Imu", "tracker": "PointStamped"}
-UNKNOWN = np.zeros(9)
-"""Covariance that is not known."""
 
 
 def write_bag(folder: Path, recording: MotionRecording) -> None:
@@ -27,53 +24,46 @@ def write_bag(folder: Path, recording: MotionRecording) -> None:
     except ImportError as error:
         raise InputError("bags need the package rosbags: pip install 'armside[bags]'") from error
     store = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
-    make = _Messages(store.types)
-    plugin = rosbag2.StoragePlugin.MCAP
-    with rosbag2.Writer(folder, version=9, storage_plugin=plugin) as bag:
-        for name, topic in TOPICS.items():
-            stream = getattr(recording, name)
+    full = {name.rpartition("/")[2]: name for name in store.types}
+
+    def new(kind: str, *values: Any) -> Any:
+        return store.types[full[kind]](*values)
+
+    with rosbag2.Writer(folder, version=9, storage_plugin=rosbag2.StoragePlugin.MCAP) as bag:
+        for name, (topic, kind, values_of) in MESSAGES.items():
+            stream: Stream | None = getattr(recording, name)
             if stream is None:
                 continue
-            kind = make.full(KINDS[name])
-            connection = bag.add_connection(topic, kind, typestore=store)
-            for stamp, message in make.messages(name, stream):
-                bag.write(connection, max(stamp, 0), store.serialize_cdr(message, kind))
+            connection = bag.add_connection(topic, full[kind], typestore=store)
+            for time, sample in zip(stream.time, stream.values, strict=True):
+                stamp = round(BILLION * float(time))
+                header = new("Header", new("Time", *divmod(stamp, BILLION)), name)
+                message = new(kind, header, *values_of(new, sample))
+                bag.write(connection, max(stamp, 0), store.serialize_cdr(message, full[kind]))
 
 
-class _Messages:
-    """Messages of the samples of an instrument."""
+New = Callable[..., Any]
+"""Message of a type by its short name, from its values."""
 
-    def __init__(self, types: Any) -> None:
-        self.types = types
-        self.names = {name.rpartition("/")[2]: name for name in types}
 
-    def full(self, kind: str) -> str:
-        """Full name of a type of message."""
-        return self.names[kind]
+def _joints(_new: New, sample: Array) -> tuple[Any, ...]:
+    names = [f"joint_{i}" for i in range(1, len(sample) + 1)]
+    return names, np.ascontiguousarray(sample), np.empty(0), np.empty(0)
 
-    def messages(self, name: str, stream: Stream) -> Iterator[tuple[int, Any]]:
-        """Stamp [ns] and message of each sample."""
-        make = {"encoders": self._joints, "imu": self._imu, "tracker": self._point}[name]
-        for time, values in zip(stream.time, stream.values, strict=True):
-            stamp = round(BILLION * float(time))
-            yield stamp, make(self._header(stamp, name), values)
 
-    def _new(self, kind: str, *values: Any) -> Any:
-        return self.types[self.full(kind)](*values)
+def _imu(new: New, sample: Array) -> tuple[Any, ...]:
+    force, rate = (new("Vector3", *part.tolist()) for part in (sample[:3], sample[3:]))
+    turn, unknown = new("Quaternion", 0.0, 0.0, 0.0, 1.0), np.zeros(9)
+    return turn, np.r_[-1.0, np.zeros(8)], rate, unknown, force, unknown
 
-    def _header(self, stamp: int, frame: str) -> Any:
-        return self._new("Header", self._new("Time", *divmod(stamp, BILLION)), frame)
 
-    def _joints(self, header: Any, values: Any) -> Any:
-        names = [f"joint_{i}" for i in range(1, len(values) + 1)]
-        own, none = np.ascontiguousarray(values), np.empty(0)
-        return self._new("JointState", header, names, own, none, none)
+def _point(new: New, sample: Array) -> tuple[Any, ...]:
+    return (new("Point", *sample.tolist()),)
 
-    def _imu(self, header: Any, values: Any) -> Any:
-        force, rate = (self._new("Vector3", *part.tolist()) for part in (values[:3], values[3:]))
-        no_orientation = np.r_[-1.0, np.zeros(8)]
-        turn = self._new("Quaternion", 0.0, 0.0, 0.0, 1.0)
-        return self._new("Imu", header, turn, no_orientation, rate, UNKNOWN, force, UNKNOWN)
 
-    def _point(self, header: Any, values: Any) -> Any:
-        return self._new("PointStamped", header, self._new("Point", *values.tolist()))
+MESSAGES = {
+    "encoders": ("/joint_states", "JointState", _joints),
+    "imu": ("/imu", "Imu", _imu),
+    "tracker": ("/target", "PointStamped", _point),
+}
+"""Topic, type and values beside the header, by instrument."""

@@ -14,8 +14,7 @@ from ...motion.timing import PathLimits, rest_to_rest
 from ...robot.kinematics_check import cell_model
 from ...robot.virtual_robot import LOG_PERIOD, VirtualRobot
 from ..recording import Stream
-from .motor_logs import PathLogs
-from .waypoint_path import PathScatter, WaypointPath, path_scatter, phi_of, waypoint_path
+from .waypoint_path import PathLogs, PathScatter, WaypointPath, path_scatter, waypoint_path
 
 HALF = 10
 """Samples on either side that the cubic spans."""
@@ -176,8 +175,8 @@ def compare_logs(
         return AtSpeed(
             speed=speed,
             n_runs=len(real),
-            real=path_scatter(path, phi_of(real)),
-            virtual=path_scatter(path, phi_of(virtual)),
+            real=path_scatter(path, [log.values for log in real]),
+            virtual=path_scatter(path, [log.values for log in virtual]),
             virtual_logged=path_scatter(path, [timing.logged(log, rng) for log in virtual]),
             timing=timing,
             perfect=perfect_scatter(path, speed, timing, len(real), rng),

@@ -1,6 +1,7 @@
 """The same learning in process and over EGM and RSI; losses, silence, fuzz."""
 
 import gc
+import os
 import socket
 import threading
 from contextlib import contextmanager
@@ -22,6 +23,7 @@ from .robots import CELL, MODEL, START, guided, path, programmed
 
 PATIENCE = 20.0
 """[s], of both sides: a machine that is busy must lose nothing."""
+FUZZED = 500 if os.environ.get("ARMSIDE_CI") else 150
 PROTOCOLS = {"egm": (Egm, EgmWire, guided), "rsi": (Rsi, RsiWire, programmed)}
 
 
@@ -95,7 +97,7 @@ def test_a_client_that_dies_leaves_the_robot_at_rest_and_the_server_ready():
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_500_fuzzed_datagrams_neither_crash_nor_move_the_robot_beyond_its_limits(protocol):
+def test_fuzzed_datagrams_neither_crash_nor_move_the_robot_beyond_its_limits(protocol):
     _, wire, controller = PROTOCOLS[protocol]
     robot = controller(seconds=0.3) if protocol == "egm" else controller()
     rng = np.random.default_rng(5)
@@ -106,10 +108,10 @@ def test_500_fuzzed_datagrams_neither_crash_nor_move_the_robot_beyond_its_limits
         udp.settimeout(PATIENCE)
         server = Server(robot, wire(), udp.getsockname(), patience=0.001)
         with served(server):
-            for k in range(500):
+            for k in range(FUZZED):
                 heard, back = udp.recvfrom(65535)
                 udp.sendto(fuzzed(wire(), wire().decode_state(heard), rng, k), back)
-    assert server.wrong_count > 100
+    assert server.wrong_count > FUZZED / 5
     assert all(0 < len(reason) < 200 and "\n" not in reason for reason in server.wrong)
     for run in runs:
         assert not [hit for hit in run.limits_hit if hit[0] in ("joint", "speed")]

@@ -33,16 +33,4 @@ def spread(a, b):
 
 def kept(imu, keep):
     """The samples of an IMU at some rows."""
-    return replace(
-        imu,
-        **{
-            name: getattr(imu, name)[keep]
-            for name in (
-                "time",
-                "acceleration",
-                "angular_velocity",
-                "acceleration_clipped",
-                "angular_velocity_clipped",
-            )
-        },
-    )
+    return replace(imu, **{name: value[keep] for name, value in vars(imu).items()})

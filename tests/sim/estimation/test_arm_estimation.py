@@ -15,21 +15,19 @@ from armside.kinematics.robots import IMU_LINKS
 from armside.sim.cell import ToolPose
 from armside.sim.estimation.arm_filter import ProcessNoise
 from armside.sim.estimation.commissioning import UNIDENTIFIED, commission
-from armside.sim.estimation.deflection import deflection
+from armside.sim.estimation.deflection import deflection, explained, residual
 from armside.sim.estimation.elasticity import ArmParameters
-from armside.sim.estimation.estimator import ToolEstimator, tool_path
-from armside.sim.estimation.extended_arm import ExtendedArm
+from armside.sim.estimation.estimator import ToolEstimator, tool_path, validity
 from armside.sim.estimation.imu_health import ImuError, repaired
 from armside.sim.estimation.linearised_arm import linearised
 from armside.sim.estimation.nominal import NominalCfg, nominal_arm
-from armside.sim.estimation.readings import explained, residual
 from armside.sim.estimation.rigid_motion import rigid_motion
-from armside.sim.estimation.validity import validity
 from armside.sim.laser import Cut, ToolPath, prepare
 from armside.sim.laser.learning import first_run
 from armside.sim.motion.contour import slot
 from armside.sim.robot.model import load_model
 
+from .extended_arm import ExtendedArm, start_covariance
 from .one_cut import CUT, IMU, MEASURE, assumed, commissioned, kept, spread
 
 ROBOT = load_model(LARGE_ROBOT_XML)
@@ -80,7 +78,7 @@ def test_full_filter_deviation_form_and_frequency_domain_agree(first, on_gears):
     step, path = 1.0 / IMU.rate, tool_path(motion, bent)
     start = np.zeros(len(model.A))
     start[-6:] = bias
-    smoother = Smoother(model.sampled(step), model.start_covariance(), np.isfinite(left))
+    smoother = Smoother(model.sampled(step), start_covariance(model), np.isfinite(left))
     forward = smoother(left, start).filtered @ model.tool.T
     spectral = wiener(left - bias, step, model.reading_covariance)
 

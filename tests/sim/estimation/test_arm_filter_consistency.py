@@ -12,6 +12,8 @@ from armside.sim.estimation.nominal import nominal_arm
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.robot.model import load_model
 
+from .extended_arm import start_covariance
+
 REST = np.array([0.1, 0.2, 0.3, 0.1, 0.5, 0.1])
 RECORDS, SAMPLES = 60, 120
 CONFIDENCE = (
@@ -31,7 +33,7 @@ def records():
     """Filter, and for each record its states and what the smoother makes of its readings."""
     imu = ImuCfg()
     model = arm_filter(linearised(nominal_arm(load_model(LARGE_ROBOT_XML)), REST), imu)
-    process, P = model.sampled(1.0 / imu.rate), model.start_covariance()
+    process, P = model.sampled(1.0 / imu.rate), start_covariance(model)
     smoother = Smoother(process, P, np.ones(SAMPLES, dtype=bool))
     first, noise, reading = root(P), root(process.Q), root(process.R)
     rng, found = np.random.default_rng(0), []
@@ -71,7 +73,7 @@ def test_a_lost_channel_costs_less_than_the_row(records):
     for lost in ([], [5], range(6)):
         seen = np.ones((SAMPLES, 6), dtype=bool)
         seen[SAMPLES // 2 :, lost] = False
-        P = Smoother(smoother.process, model.start_covariance(), seen).filtered_covariance[-1]
+        P = Smoother(smoother.process, start_covariance(model), seen).filtered_covariance[-1]
         variance.append(np.trace(T @ P @ T.T))
     full, part, none = variance
     assert full < part < 0.5 * none

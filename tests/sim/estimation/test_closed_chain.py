@@ -14,15 +14,16 @@ from armside.sim.cell import IRB1400_CELL
 from armside.sim.estimation.deflection import Deflection, deflection
 from armside.sim.estimation.elasticity import nominal_elasticity
 from armside.sim.estimation.estimator import tool_path
-from armside.sim.estimation.linearised_arm import linearised
+from armside.sim.estimation.linearised_arm import at_rest, linearised
 from armside.sim.estimation.nominal import NominalCfg, nominal_arm
-from armside.sim.estimation.observer import at_rest, dragged, observe
 from armside.sim.estimation.relative_path import relative_to_start
 from armside.sim.estimation.rigid_motion import rigid_motion
 from armside.sim.estimation.structure import with_structure
 from armside.sim.robot.linkage import FreeMotion
 from armside.sim.robot.mjcf import ModelError
 from armside.sim.robot.model import load_model, robot_model
+
+from .rollout import dragged, observe
 
 PHI = np.array([0.1, 0.2, 0.3, 0.1, 0.5, 0.1])
 AXES = 6

@@ -11,10 +11,11 @@ from armside.sim.estimation.deflection import deflection
 from armside.sim.estimation.elasticity import Elasticity, nominal_elasticity
 from armside.sim.estimation.estimator import tool_path
 from armside.sim.estimation.nominal import NominalArm, nominal_arm
-from armside.sim.estimation.observer import ENCODER_FILTER, observe
-from armside.sim.estimation.rigid_motion import REACH, rigid_motion, segments
+from armside.sim.estimation.rigid_motion import ENCODER_FILTER, REACH, rigid_motion, segments
 from armside.sim.estimation.structure import across, with_structure
 from armside.sim.robot.model import RobotModel, load_model
+
+from .rollout import observe
 
 PERIOD = 0.004
 TIME: Array = np.arange(500, dtype=np.float64) * PERIOD

@@ -8,6 +8,8 @@ import pytest
 from armside.sim.estimation.imu_health import Fault, ImuError, repaired
 from armside.sim.instruments.imu import ImuCfg, ImuSamples
 
+from .one_cut import kept
+
 CFG = ImuCfg()
 
 
@@ -23,30 +25,29 @@ def readings(n=200):
     )
 
 
-def without(samples, lost):
-    kept = np.delete(np.arange(len(samples.time)), lost)
-    return ImuSamples(**{name: value[kept] for name, value in vars(samples).items()})
-
-
 def test_sound_samples_stay_as_they_are():
     found = repaired(readings(), CFG)
     assert np.array_equal(found.acceleration, readings().acceleration)
     assert found.time == pytest.approx(readings().time)
 
 
+def checked(samples, fault):
+    """The samples repaired, or None where they are refused with that fault."""
+    if fault is None:
+        return repaired(samples, CFG)
+    with pytest.raises(ImuError) as error:
+        repaired(samples, CFG)
+    assert error.value.fault is fault
+    return None
+
+
 @pytest.mark.parametrize(("n", "fault"), [(40, None), (41, Fault.LOST)])
 def test_a_fifth_of_the_samples_may_be_lost(n, fault):
     lost = np.linspace(1, 198, n).astype(int)
-    samples = without(readings(), lost)
-    if fault is None:
-        found = repaired(samples, CFG)
+    if found := checked(kept(readings(), np.delete(np.arange(200), lost)), fault):
         assert np.isnan(found.acceleration[lost]).all()
         assert len(found.time) == 200
         assert np.isfinite(np.delete(found.acceleration, lost, axis=0)).all()
-    else:
-        with pytest.raises(ImuError) as error:
-            repaired(samples, CFG)
-        assert error.value.fault is fault
 
 
 @pytest.mark.parametrize(("n", "fault"), [(40, None), (41, Fault.CLIPPED)])
@@ -55,25 +56,14 @@ def test_a_fifth_of_the_samples_may_be_clipped_and_none_of_them_is_used(n, fault
     at = np.linspace(1, 198, n).astype(int)
     mask = np.zeros((200, 3), dtype=bool)
     mask[at, 1] = True
-    samples = replace(readings(), **{which: mask})
-    if fault is None:
-        found = repaired(samples, CFG)
+    if found := checked(replace(readings(), **{which: mask}), fault):
         assert np.isnan(found.acceleration[at]).all()
         assert np.isnan(found.angular_velocity[at]).all()
-    else:
-        with pytest.raises(ImuError) as error:
-            repaired(samples, CFG)
-        assert error.value.fault is fault
 
 
 @pytest.mark.parametrize(("off", "fault"), [(0.24, None), (0.26, Fault.UNEVEN)])
 def test_a_sample_may_be_a_quarter_of_a_period_off_its_place(off, fault):
     time = readings().time.copy()
     time[77] += off / CFG.rate
-    samples = replace(readings(), time=time)
-    if fault is None:
-        assert repaired(samples, CFG).time == pytest.approx(readings().time)
-    else:
-        with pytest.raises(ImuError) as error:
-            repaired(samples, CFG)
-        assert error.value.fault is fault
+    if found := checked(replace(readings(), time=time), fault):
+        assert found.time == pytest.approx(readings().time)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from armside.kinematics.robot_file import GearTerm
-from armside.sim.estimation.observer import observe
 from armside.sim.estimation.relative_path import relative_to_start
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.identification import arm_of
@@ -16,6 +15,8 @@ from armside.sim.laser.tool_measure import ToolPath
 from armside.sim.robot.drives import gear_error_of
 from armside.sim.robot.effects import Effect
 from armside.sim.robot.virtual_robot import LOG_PERIOD
+
+from .rollout import observe
 
 CUT = Cut(pose="p3", without=tuple(effect for effect in Effect if effect is not Effect.GEAR_ERROR))
 
@@ -66,10 +67,6 @@ def test_an_observer_that_knows_the_gear_error_is_the_truth(plain, terms):
     )
     assert with_it < 1.5e-6, "counts of the encoders, 2 to 4 urad, at 2.2 m"
     assert without > 3.0 * with_it
-
-
-def _observed(arm, run):
-    return observe(arm, run.motor_angle, LOG_PERIOD).tool_position[::8]
 
 
 def test_the_assumed_arm_of_an_estimate_knows_it(plain, knowing):

@@ -14,8 +14,7 @@ from armside.sim.estimation.deflection import deflection
 from armside.sim.estimation.elasticity import ArmParameters, nominal_elasticity, parameters_at
 from armside.sim.estimation.estimator import ToolEstimator, tool_path
 from armside.sim.estimation.nominal import NominalCfg, nominal_arm
-from armside.sim.estimation.observer import ENCODER_FILTER
-from armside.sim.estimation.rigid_motion import rigid_motion
+from armside.sim.estimation.rigid_motion import ENCODER_FILTER, rigid_motion
 from armside.sim.estimation.structure import with_structure
 from armside.sim.estimation.tool_covariance import (
     encoder_variance,

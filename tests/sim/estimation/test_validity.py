@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from armside.arrays import Array
-from armside.sim.estimation.estimator import ToolEstimate
-from armside.sim.estimation.validity import FADE, OF_LONG, OF_SHORT, Limits, validity
+from armside.sim.estimation.estimator import FADE, OF_LONG, OF_SHORT, Limits, ToolEstimate, validity
 
 TIME: Array = np.arange(1500, dtype=np.float64) * 0.004
 INSTANTS: Array = np.arange(600, dtype=np.float64) * 0.01

@@ -9,8 +9,7 @@ import pytest
 
 from armside.kinematics import CATALOGUE
 from armside.sim.gears import GearsCfg, analyse_gears
-from armside.sim.gears.judgement import JUDGED_FROM
-from armside.sim.gears.smoother import fused
+from armside.sim.gears.judgement import JUDGED_FROM, fused
 from armside.sim.recordings import Stream, read_motion
 from armside.sim.recordings.alignment.encoder_motion import lowpass
 

@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.claims._gear_errors import discrepancies
 
 from armside.assets import LARGE_ROBOT_XML
 from armside.kinematics import CATALOGUE
 from armside.sim.gears import VIRTUAL, Excitation, analyse_gears
-from armside.sim.gears.virtual_run import discrepancies, posture, recorded
+from armside.sim.gears.virtual_run import posture, recorded
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.specification import Cut

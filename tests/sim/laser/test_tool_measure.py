@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from armside.arrays import Array
-from armside.sim.estimation import validity as validity
+from armside.sim.estimation import estimator as validity
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, prepare
 from armside.sim.laser.experiment import Experiment, Iteration, Pass

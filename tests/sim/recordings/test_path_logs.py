@@ -11,7 +11,7 @@ from armside.kinematics import CATALOGUE, LARGE_ROBOT, compile
 from armside.sim.recordings import Stream
 from armside.sim.recordings.paths import compare_logs, path_scatter, timing_errors, waypoint_path
 from armside.sim.recordings.paths.comparison import perfect_scatter
-from armside.sim.recordings.paths.motor_logs import MotorLog, PathLogs, read_path_logs
+from armside.sim.recordings.paths.waypoint_path import MotorLog, PathLogs, read_path_logs
 
 SETS = Path(os.environ.get("ARMSIDE_MEASUREMENTS") or ".") / "irb6640_logs"
 ROBOT, TOOL = compile(LARGE_ROBOT), np.array([0.05, 0.0, 0.3])

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from armside.sim.tuning import sensor, situation, task
+from armside.sim.tuning import situation, task
 from armside.sim.tuning.action import VARIABLES, Scale
 from armside.sim.tuning.rules import WORST_REWARD, Rules
 from armside.sim.tuning.task import PAYLOADS, POSE_SPREAD, SPEEDS, TEST_SEEDS
@@ -22,24 +22,28 @@ def seen(rms, diverged=False, k=1):
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "reward"),
+    ("before", "after", "decrease", "reward"),
     [
-        (2e-4, 1e-4, np.log(2.0)),
-        (1e-4, 2e-4, -np.log(2.0)),
-        (1.0, np.exp(-4.99), 4.99),
-        (1.0, np.exp(-5.01), 5.0),
-        (np.exp(-5.01), 1.0, -5.0),
-        (1.0, np.nan, 0.0),
-        (0.0, 1.0, 0.0),
+        (2e-4, 1e-4, np.log(2.0), np.log(2.0)),
+        (1e-4, 2e-4, -np.log(2.0), -np.log(2.0)),
+        (1.0, np.exp(-4.99), 4.99, 4.99),
+        (1.0, np.exp(-5.01), 5.01, 5.0),
+        (np.exp(-5.01), 1.0, -5.01, -5.0),
+        (1.0, np.nan, np.nan, 0.0),
+        (0.0, 1.0, np.nan, 0.0),
     ],
 )
-def test_a_reward_is_the_decrease_of_the_log_error_within_five(rules, before, after, reward):
-    assert rules.score(seen(before), seen(after)).reward == pytest.approx(reward)
+def test_a_reward_is_the_decrease_of_the_log_error_within_five(
+    rules, before, after, decrease, reward
+):
+    found = rules.score(seen(before), seen(after))
+    assert found == pytest.approx((decrease, reward), nan_ok=True)
 
 
 def test_divergence_has_the_worst_reward_whatever_the_error(rules):
     assert WORST_REWARD == -5.0
-    assert rules.score(seen(1.0), seen(0.1, diverged=True)).reward == -5.0
+    found = rules.score(seen(1.0), seen(0.1, diverged=True))
+    assert found == pytest.approx((np.log(10.0), -5.0))
 
 
 def test_an_episode_ends_with_its_budget_of_five(rules):
@@ -121,7 +125,7 @@ def test_an_iteration_learns_from_the_last_correction_and_its_arm_side_error(mon
 def test_each_sensor_of_the_reward_reads_its_own_signal(monkeypatch):
     """The tracker its samples; motors the rigid arm at r and y, added to the programmed path."""
     given = []
-    monkeypatch.setattr(sensor, "tool_error", lambda *signals: given.append(signals))
+    monkeypatch.setattr(situation, "tool_error", lambda *signals: given.append(signals))
     tracker = SimpleNamespace(time="tracker time", position="tracker position")
     pose = np.tile(np.eye(4), (2, 1, 1))
 
@@ -133,13 +137,13 @@ def test_each_sensor_of_the_reward_reads_its_own_signal(monkeypatch):
 
         return SimpleNamespace(pose=at)
 
-    monkeypatch.setattr(sensor, "_compiled", compiled)
+    monkeypatch.setattr(situation, "_compiled", compiled)
     r, y = np.zeros((2, 6)), np.full((2, 6), 1e-3)
     log = SimpleNamespace(time="log time", reference=r, motor_angle=y)
     cut = SimpleNamespace(tracker=tracker, recording=log)
     motion = SimpleNamespace(position=np.ones((2, 3)))
-    sensor._tracker_error(motion, cut)
-    sensor._motor_error(None, motion, cut)
+    situation._tracker_error(motion, cut)
+    situation._motor_error(None, motion, cut)
     assert given[0] == (motion, "tracker time", "tracker position")
     assert given[1][1] == "log time"
     assert given[1][2] == pytest.approx(np.full((2, 3), 1.001))

@@ -59,7 +59,7 @@ def test_learning_goes_around_the_correction_of_the_twin(env, quick):
 
 
 def test_a_twin_that_is_not_trusted_leaves_an_episode_as_it_is_without(folder, quick, monkeypatch):
-    monkeypatch.setattr("armside.sim.twin.correction.LARGEST_FRACTION", 0.0)
+    monkeypatch.setattr("armside.sim.twin.prediction.LARGEST_FRACTION", 0.0)
     options = quick | {"payload": 41.0}  # learned in no other test
     with_twin, without = (
         gymnasium.make(ID, individual=Individual(), **more) for more in ({"twin": folder}, {})

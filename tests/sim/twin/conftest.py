@@ -7,9 +7,8 @@ import pytest
 
 from armside.sim.laser import prepare
 from armside.sim.robot.spread import Drawn
-from armside.sim.twin.commission import commission
+from armside.sim.twin.commission import commission, plan
 from armside.sim.twin.identification import Identification, parameters_of
-from armside.sim.twin.plan import plan
 from armside.sim.twin.recordings import measured
 from armside.sim.twin.sensitivities import Against
 

@@ -9,7 +9,7 @@ from hypothesis.extra.numpy import arrays
 from armside.assets import LARGE_ROBOT_XML
 from armside.sim.robot.individual import joints, with_hinges
 from armside.sim.robot.model import load_model
-from armside.sim.twin.bending import DIRECTIONS, LINKS, MEAN, MIDDLE, bent, hinges, with_bending
+from armside.sim.twin.simulation import DIRECTIONS, LINKS, MEAN, MIDDLE, bent, hinges, with_bending
 
 compliances = arrays(np.float64, len(DIRECTIONS), elements=st.floats(0.3, 5.0))
 

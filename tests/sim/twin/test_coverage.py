@@ -16,18 +16,18 @@ from armside.ilc.filters import ZeroPhaseButterworth
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.robot.mjcf import N_AXES
 from armside.sim.robot.spread import Drawn
-from armside.sim.twin.commission import commission
-from armside.sim.twin.identification import Identification
-from armside.sim.twin.imu_sensor import ImuSensor
-from armside.sim.twin.normal_equations import Solving, compared
-from armside.sim.twin.plan import plan, recorded
+from armside.sim.twin.commission import commission, plan, recorded
+from armside.sim.twin.identification import Identification, Solving, compared
+from armside.sim.twin.imu_sensor import CFG as UNIT
+from armside.sim.twin.imu_sensor import CUTOFF, IMU
 from armside.sim.twin.prediction import is_identified, standard_deviation
 from armside.sim.twin.sensitivities import Columns, Residuals
 from armside.sim.twin.tool_sensor import TRACKER, ToolSensor
 
 from .conftest import INDIVIDUAL
 
-DRAWS, STEPS, CFG = 8, 3, Identification()
+WHOLE = bool(os.environ.get("ARMSIDE_CI"))
+DRAWS, STEPS, CFG = 8 if WHOLE else 4, 3, Identification()
 LASTS = round(CFG.correlation**2)
 """Samples that share one draw of the noise: as many as the scale of residuals assumes."""
 
@@ -57,13 +57,12 @@ def seen_by_tracker(rng, columns):
 
 def seen_by_imu(rng, columns):
     """Slow columns of the size that an IMU has, in white noise; both through its low-pass."""
-    sensor = ImuSensor()
-    Q = ZeroPhaseButterworth(sensor.cutoff, 1.0 / sensor.cfg.rate)
+    Q = ZeroPhaseButterworth(CUTOFF, 1.0 / UNIT.rate)
     slow = Q(columns.reshape(len(columns), -1)).reshape(columns.shape)
-    return slow / sensor.scale.displacement, Q(rng.standard_normal((len(columns), 3)))
+    return slow / IMU.displacement, Q(rng.standard_normal((len(columns), 3)))
 
 
-SENSORS = {"tracker": (TRACKER, seen_by_tracker), "imu": (ImuSensor(), seen_by_imu)}
+SENSORS = {"tracker": (TRACKER, seen_by_tracker), "imu": (IMU, seen_by_imu)}
 
 
 @pytest.mark.parametrize("kind", SENSORS)
@@ -86,9 +85,9 @@ def test_standard_deviations_hold_the_truth_of_a_linear_cut_at_their_rate(around
 
 def solved(cut, parameters, torque_noise):
     """Parameters and their standard deviations, by the solver of identification."""
-    (channel,), theta = cut.sensor.channels, parameters.mean
-    scales = np.append(torque_noise, channel.noise)
-    correlation = np.append(np.full(N_AXES, CFG.correlation), channel.correlation)
+    sensor, theta = cut.sensor, parameters.mean
+    scales = np.append(torque_noise, sensor.noise)
+    correlation = np.append(np.full(N_AXES, CFG.correlation), sensor.correlation)
     for _ in range(STEPS):
         groups = compared(cut, theta, cut.columns).groups
         found = Solving(parameters, theta, scales, correlation).solve(groups)
@@ -144,7 +143,7 @@ def test_those_of_the_linearised_model_would_hold_it_less_often(commissioned):
     assert coverage(INDIVIDUAL, twin, np.sqrt(np.diag(twin.covariance)))[0] < 0.90
 
 
-@pytest.mark.skipif(not os.environ.get("ARMSIDE_CI"), reason="minutes: robots from more cuts")
+@pytest.mark.skipif(not WHOLE, reason="minutes: robots from more cuts")
 @pytest.mark.parametrize("measure", ["tracker", "imu"])
 def test_printed_standard_deviations_hold_the_truth_of_other_robots(measure):
     found = []

@@ -1,5 +1,7 @@
 """Individuals that run beside each other are those that run alone."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -35,6 +37,7 @@ def largest_deviation():
     known = parameters_of(design)
     twin = known.individual(known.mean, gear_phases(design.model))
 
+    @cache
     def of(pose: str, cfg: TwinLearning) -> float:
         cut = Cut(pose=pose, contour=square(0.02, 0.003), speed=0.08, friction_spread=0.0)
         experiment = prepare(cut)

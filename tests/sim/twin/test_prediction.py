@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from armside.sim.twin.commission import SENSORS
-from armside.sim.twin.correction import _objection
-from armside.sim.twin.prediction import Evidence, FirstCutPrediction, predicted
+from armside.sim.twin.prediction import Evidence, FirstCutPrediction, _objection, predicted
 
 INSIDE, AROUND, RESIDUAL = 2e-6, np.array([6e-6, 8e-6, 5e-6]), 7e-6
 

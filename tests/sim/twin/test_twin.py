@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from armside.sim.cell import LARGE_ROBOT_POSES
-from armside.sim.laser import Cut
+from armside.sim.laser import Cut, prepare
 from armside.sim.laser.experiment import true_tool_error
 from armside.sim.motion.contour import slot, square
-from armside.sim.twin.commission import check
-from armside.sim.twin.drift import refreshed
-from armside.sim.twin.plan import MOST, plan
+from armside.sim.twin.commission import MOST, check, plan
+from armside.sim.twin.first_cut import refreshed
+from armside.sim.twin.learning import learn_in_twin
 from armside.sim.twin.recordings import ImplausibleError, MeasuredCut, measured
 from armside.sim.twin.tool_sensor import TRACKER
 from armside.sim.twin.twin import FORMAT, Twin, TwinError, stored_twin
@@ -42,9 +42,10 @@ def test_the_first_run_of_an_unseen_cut_is_right(twin, corrected, cut_by):
 def test_corners_are_learned_inside_a_twin(twin, curve):
     """A law that takes gears for stiff and friction for a repeating load leaves 20 um there."""
     cut = replace(ELSEWHERE, contour=curve, speed=0.04)
-    prediction = twin.correction(cut).prediction
-    assert prediction.inside < 8e-6
-    assert prediction.inside < 0.03 * prediction.uncorrected
+    design, experiment = twin.design, prepare(replace(cut, friction_spread=0.0))
+    learned = learn_in_twin(design, twin.individual, experiment)
+    assert learned.rms.min() < 8e-6
+    assert learned.left < 0.03
 
 
 def test_feedback_of_one_run_finds_the_friction_that_has_drifted(twin, corrected, cut_by):

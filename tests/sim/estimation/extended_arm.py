@@ -18,16 +18,35 @@ from armside.ilc.estimation.extended import ExtendedResult, extended
 from armside.ilc.estimation.process import exponential, sampled_noise
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.kinematics.robots import IMU_LINKS
+from armside.sim.estimation.arm_filter import ArmFilter, arm_filter
+from armside.sim.estimation.estimator import ToolEstimator
+from armside.sim.estimation.imu_health import REST
+from armside.sim.estimation.linearised_arm import at_rest
+from armside.sim.estimation.rigid_motion import ENCODER_FILTER
+from armside.sim.instruments.imu import ImuSamples
 
-from ..instruments.imu import ImuSamples
-from .arm_filter import ArmFilter, arm_filter
-from .estimator import ToolEstimator
-from .imu_health import REST
-from .observer import ENCODER_FILTER, at_rest
-
+START_TORQUE = 1e-3
+"""Standard deviation of tau_d at the start, relative to its own: the arm starts at rest, and a
+constant error of the rest is none of a cut's."""
 STEP = 0.0025
 """Step of the filter [s]; divides the period of the log and of a 100 Hz IMU as nearly as its clock
 allows: a reading is taken at the step nearest to it, and moved there along its slope."""
+
+
+def start_covariance(model: ArmFilter) -> Array:
+    """(m, m) at rest before the cut."""
+    P, imu = np.zeros(len(model.A)), model.imu
+    n, m = model.n_free, model.n_mechanical
+    P[:n] = (1e-7) ** 2  # [rad]: the deflected arm starts where the arm is
+    P[n : 2 * n] = (1e-6) ** 2
+    for k, triad in enumerate((imu.accelerometer, imu.gyroscope)):
+        low, noise = 2 * n + 6 * k, triad.noise_density * np.sqrt(triad.bandwidth)
+        P[low : low + 3] = noise**2
+        P[low + 3 : low + 6] = (noise * 2.0 * np.pi * triad.bandwidth) ** 2
+    P[m:-6] = (model.process_noise.torque(model.arm) * START_TORQUE) ** 2
+    P[-6:-3] = (10.0 * imu.accelerometer.bias + 9.82 * 0.05) ** 2
+    P[-3:] = (10.0 * imu.gyroscope.bias + 1e-3) ** 2
+    return np.diag(P)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +110,7 @@ class ExtendedArm:
         result = extended(
             lambda i, x: self._step(x, inputs[i], slopes[i]),
             lambda i, x: (model.C @ x, model.C),
-            *(y, Q, model.reading_covariance, start, model.start_covariance()),
+            *(y, Q, model.reading_covariance, start, start_covariance(model)),
         )
         filtered, smoothed = self._path(result.filtered), self._path(result.smoothed)
         return ExtendedEstimate(fine, filtered, smoothed, result)
@@ -115,10 +134,12 @@ class ExtendedArm:
     def _step(self, x: Array, u: Array, slope: Array) -> tuple[Array, Array]:
         """Exact for the linearisation at x, with inputs that change linearly."""
         rate, _, local = self._motion(x, u)
-        n = len(x)
+        n, arm = len(x), local.arm
+        springs = np.hstack((np.diag(arm.stiffness), np.diag(arm.damping)))
+        pulled = local.E[:, arm.axes] @ (springs @ slope)
         # dx' = A dx + rate + (B slope) t as one linear system with the states 1 and t.
         block = np.zeros((n + 2, n + 2))
-        block[:n, :n], block[:n, n], block[:n, n + 1] = local.A, rate, local.B @ slope
+        block[:n, :n], block[:n, n], block[:n, n + 1] = local.A, rate, pulled
         block[n + 1, n] = 1.0
         grown = exponential(block * STEP)
         return x + grown[:n, n], grown[:n, :n]

@@ -12,13 +12,11 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.estimation.kalman import Smoother
 from armside.ilc.estimation.process import Process, sampled_noise
-
-from ..instruments.imu import ImuSamples
-from .deflection import Deflection
-from .estimator import ToolEstimator
-from .imu_health import REST
-from .readings import explained
-from .rigid_motion import RigidMotion
+from armside.sim.estimation.deflection import Deflection, explained
+from armside.sim.estimation.estimator import ToolEstimator
+from armside.sim.estimation.imu_health import REST
+from armside.sim.estimation.rigid_motion import RigidMotion
+from armside.sim.instruments.imu import ImuSamples
 
 JERK = 60.0
 """Intensity's root of the twist's third derivative [rad/s^3/sqrt(Hz)] times 1e-3: a twist of 60
