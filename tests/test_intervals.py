@@ -16,7 +16,7 @@ from armside.ilc.estimation.kalman import Smoother, SteadyStateFilter
 from armside.ilc.estimation.prediction_error import Whitened, estimate_parameters
 from armside.ilc.estimation.process import Process, steady_state_covariance
 from armside.ilc.identification.arx import fit_arx
-from armside.ilc.identification.first_order import fit_first_order
+from armside.ilc.identification.first_order_lag import fit_first_order
 from armside.ilc.identification.polynomial import Orders
 from armside.ilc.identification.polynomial_fit import fit_polynomial
 from armside.ilc.models.system import System

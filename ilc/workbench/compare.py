@@ -22,7 +22,7 @@ from ..laws.wrappers import Best, SegmentMemory
 from ..learning import LoopState, Trial, learn
 from ..records import as_real
 from .laws import build_law
-from .prediction import Prediction, predict
+from .predicted import Prediction, predict
 from .task import Setting, Task
 
 NAMED: Mapping[str, Callable[..., Any]] = {

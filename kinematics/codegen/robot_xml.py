@@ -18,7 +18,7 @@ from ..dh import Convention, Joint, Limits, Link, Robot
 from ..equations.inertial_model import Body
 from ..rigid import link_transform
 from ..rotation import to_quaternion, to_roll_pitch_yaw
-from ..urdf.chain import Inertial, summed
+from ..urdf.links_and_joints import Inertial, summed
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from armside.arrays import Array
 
 from ..equations.inertial_model import Body
 from ..rotation import from_roll_pitch_yaw
-from .chain import WHOLE_TURN, Document, Fault, Inertial, Kind, UrdfJoint
+from .links_and_joints import WHOLE_TURN, Document, Fault, Inertial, Kind, UrdfJoint
 
 _HUGE = 1e6  # greatest number that is accepted, in any unit
 

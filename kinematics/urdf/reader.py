@@ -18,8 +18,8 @@ from .. import rigid
 from ..dh import Joint, Limits, Link, Robot
 from ..equations.inertial_model import Body, InertialModel
 from ..rigid import link_transform
-from .chain import Document, Fault, Inertial, Kind, UrdfJoint, chain, children, summed
 from .document import read_document
+from .links_and_joints import Document, Fault, Inertial, Kind, UrdfJoint, chain, children, summed
 
 _PARALLEL = 1e-12  # sine between axes that counts as zero
 _NEARLY = 1e-3  # sine below which the common normal may be a thousand arm lengths away

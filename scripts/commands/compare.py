@@ -9,7 +9,7 @@ from armside.ilc.workbench.compare import RunState
 from armside.sim.laser.comparison import COMPARED, Case, compared, rms
 from armside.sim.laser.design import default_design
 from armside.sim.laser.experiment import Iteration
-from armside.sim.laser.learning import Start, iterate
+from armside.sim.laser.loop import Start, iterate
 from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.results import notes
 from armside.sim.notes import Cause, Note, together
@@ -23,8 +23,8 @@ from ..cutting.comparison import (
     save_states_of,
     starts_of,
 )
+from ..cutting.cut_run import Ready
 from ..cutting.earlier import FromCfg, started
-from ..cutting.learning import Ready
 from ..shell.console import Report, run_folder
 from ..shell.errors import checking_input
 from ..shell.options import Common

@@ -46,7 +46,7 @@ def convert(source: Path, /, *, cfg: ConvertCfg = ConvertCfg(), common: Common =
     a run are those of its signals.parquet; `armside measure` reads CSV, MATLAB and HDF5 back.
     """
     from armside.sim.recordings import is_motion
-    from armside.sim.recordings.logs.read import SUFFIXES as LOGS
+    from armside.sim.recordings.logs.controller_log import SUFFIXES as LOGS
 
     report = Report(common)
     is_log = source.is_file() and source.suffix.lower() in LOGS

@@ -6,13 +6,13 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from armside.sim.laser.experiment import Iteration
-from armside.sim.laser.learning import measure_of
+from armside.sim.laser.loop import measure_of
 from armside.sim.laser.results import results
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.summary import dumps, summary
 
+from ..cutting.cut_run import fail_unless_done, ready
 from ..cutting.earlier import FromCfg, save_state, started
-from ..cutting.learning import fail_unless_done, ready
 from ..cutting.part_options import CutCfg, drawing, part_cut
 from ..figures.part_results import show_plan, show_results, write_plan, write_results
 from ..shell.console import Report

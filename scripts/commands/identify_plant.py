@@ -139,7 +139,7 @@ def _record(file: Path | None, cfg: IdentifyPlantCfg, common: Common) -> "InputO
         made = made if cfg.from_rest else made.centred
         return made if cfg.period is None else made.with_period(cfg.period)
     from ..workbench.options import LearnCfg
-    from ..workbench.plants import is_folder, named_task
+    from ..workbench.plant_option import is_folder, named_task
 
     asked: dict[str, Any] = {"plant": cfg.plant, "sample_time": cfg.sample_time}
     if cfg.period is not None or is_folder(LearnCfg(**asked)):

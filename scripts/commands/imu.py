@@ -218,7 +218,7 @@ def imu(*, cfg: ImuOptions = ImuOptions(), common: Common = Common()) -> None:
 
 
 def _recorded(cfg: ImuOptions, common: Common) -> None:
-    from armside.sim.imu.recorded import process
+    from armside.sim.imu.chapter5_recorded import process
     from armside.sim.recordings import read_motion
     from armside.sim.robot_file.find import load_robot
 

@@ -5,8 +5,8 @@ from armside.sim.laser.results import quality, results
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.summary import summary
 
+from ..cutting.cut_run import fail_unless_done, ready
 from ..cutting.earlier import FromCfg, save_state, started
-from ..cutting.learning import fail_unless_done, ready
 from ..cutting.options import LaserCfg
 from ..cutting.specification import cut, measure
 from ..figures.laser_results import show, write

@@ -29,7 +29,7 @@ def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
     """
     from armside.ilc.workbench.own import OwnCodeError
 
-    from ..workbench.plants import is_folder, named_task
+    from ..workbench.plant_option import is_folder, named_task
 
     report = Report(common)
     try:
@@ -54,7 +54,7 @@ def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
 
 def _loci(cfg: LearnCfg, task: "Task") -> "dict[str, Eigenloci]":
     from armside.ilc.workbench.compare import setting_of
-    from armside.ilc.workbench.prediction import predicted_loci
+    from armside.ilc.workbench.predicted import predicted_loci
 
     found = {law: predicted_loci(law, setting_of(task)) for law in cfg.laws}
     return {law: each for law, each in found.items() if each is not None}
@@ -97,7 +97,7 @@ def _runs(
 
 
 def _by_hand(cfg: LearnCfg, common: Common, report: Report) -> None:
-    from ..workbench.by_hand import Session
+    from ..workbench.run_by_hand import Session
 
     with checking_input():
         session = Session.begin(cfg)
@@ -125,7 +125,7 @@ def _finish(
 ) -> None:
     from ..figures.convergence import draw_convergence
     from ..figures.design import draw_eigenloci
-    from ..workbench import results
+    from ..workbench import law_results as results
 
     diverged = [run.law for run in runs if run.diverged]
     worse = results.of_the_tool(runs)

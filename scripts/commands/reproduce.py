@@ -75,7 +75,7 @@ class JointCfg:
         """Joint and design; None: those of the thesis."""
         if self == JointCfg():
             return None
-        from ..workbench.two_mass import study_of
+        from ..workbench.joint import study_of
 
         return study_of(self.joint, self.gamma, self.delta, self.cutoff, self.law)
 

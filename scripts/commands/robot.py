@@ -95,7 +95,7 @@ def robot(
     elif action == "show":
         _show(*_named(model, cfg), report, common)
     elif action == "view":
-        from ..viewers.robot import view_robot
+        from ..viewers.sliders import view_robot
 
         view_robot(*_named(model, cfg))
     else:
@@ -164,7 +164,7 @@ def _show(named: str, model: Path | None, report: Report, common: Common) -> Non
     print_data(report, cell.robot.name, found)
     outcome = _summary("show", named, model, common, found)
     if common.out is not None:
-        from ..viewers.robot import draw_robot
+        from ..viewers.sliders import draw_robot
 
         with run_folder(outcome, common) as folder:
             draw_robot(folder / "robot.png", loaded, cell)

@@ -1,7 +1,7 @@
 """`armside train`: learn a policy for the tuning env with PPO, in minutes on two cores.
 
 Needs Stable-Baselines3 (`pip install 'armside[learn]'`); what is learned is a small network that
-`armside.sim.tuning.evaluation` runs with NumPy alone.
+`armside.sim.tuning.policies` runs with NumPy alone.
 """
 
 from contextlib import closing

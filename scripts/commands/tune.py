@@ -18,9 +18,9 @@ from ..shell.interrupts import noticing
 from ..shell.options import Common, seed_range
 from ..studies import study as studies
 from ..studies.options import TuneCfg
-from ..studies.report import new_best, results, tables
 from ..studies.search import evaluate, search
 from ..studies.storage import redacted, using
+from ..studies.tune_report import new_best, results, tables
 
 if TYPE_CHECKING:
     import optuna

@@ -13,7 +13,7 @@ from armside.sim.cell import pose
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import Case
 from armside.sim.laser.experiment import Iteration
-from armside.sim.laser.learning import Start
+from armside.sim.laser.loop import Start
 from armside.sim.laser.specification import Cut
 from armside.sim.motion.timing import PathLimits
 from armside.sim.records.run_folder import RunFolder

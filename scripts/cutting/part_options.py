@@ -8,7 +8,7 @@ from cyclopts import Group, Parameter
 
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.motion.timing import PathLimits
-from armside.sim.part.chain import MM
+from armside.sim.part.arcs import MM
 from armside.sim.part.drawing import Reading, Unit
 from armside.sim.records.files import check_file
 from armside.sim.robot_file.find import find_cell

@@ -9,7 +9,7 @@ from armside.arrays import Array
 from armside.sim.robot.mjcf import AXES
 from armside.sim.robot.virtual_robot import LOG_PERIOD
 from armside.sim.twin.commission import SENSORS, CommissionedTwin
-from armside.sim.twin.learning import friction_constants, lugre
+from armside.sim.twin.correction import friction_constants, lugre
 from armside.sim.twin.recordings import MeasuredCut
 from armside.sim.twin.sensitivities import Against
 

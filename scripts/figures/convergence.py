@@ -7,7 +7,7 @@ import numpy as np
 
 from armside.ilc.workbench.compare import LawRun
 
-from ..workbench.results import groups, label, mean_norms
+from ..workbench.law_results import groups, label, mean_norms
 from .canvas import COLORS, MARKERS, panels, whole_numbers
 
 MOST_MARKERS = 12

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from armside.sim.imu import ImuResult
-from armside.sim.imu.evaluation import WINDOW
+from armside.sim.imu.phases import WINDOW
 from armside.sim.imu.vibration import RestResult
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.signals import RecordedRun, write_signals
@@ -18,7 +18,7 @@ from . import imu as figures
 
 def write_runs(results: Sequence[ImuResult], folder: RunFolder, config: dict[str, Any]) -> None:
     """Write signals.parquet, robot.xml, imu.parquet, replay.rrd and the figures of each program."""
-    from armside.sim.imu.replay import write_imu_replay, write_imu_signals
+    from armside.sim.imu.imu_files import write_imu_replay, write_imu_signals
 
     runs = [RecordedRun(k=k, recording=one.run.recording) for k, one in enumerate(results)]
     write_signals(folder / "signals.parquet", runs, config=config, seed=config["seed"])

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from armside.sim.imu.evaluation import WINDOW
-from armside.sim.imu.recorded import RecordedImu, mounting, repeatability, scale
-from armside.sim.recordings.alignment.imu import ImuAlignment
+from armside.sim.imu.chapter5_recorded import RecordedImu, mounting, repeatability, scale
+from armside.sim.imu.phases import WINDOW
+from armside.sim.recordings.alignment.imu_alignment import ImuAlignment
 from armside.sim.records.run_folder import RunFolder
 
 from ..shell.console import Report

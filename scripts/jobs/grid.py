@@ -19,7 +19,7 @@ from cyclopts import CycloptsError, Token
 
 from armside.sim.records.summary import plain
 
-from ..cutting.learning import run
+from ..cutting.cut_run import run
 from ..cutting.options import LaserCfg
 from ..shell.effort import Effort, refuse_absurd
 from ..shell.errors import InputError, one_line, unknown

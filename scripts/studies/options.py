@@ -8,8 +8,8 @@ from cyclopts import Parameter
 
 from armside.sim.cell import CELLS
 from armside.sim.records.summary import plain
+from armside.sim.tuning.episode_task import FASTEST, SLOWEST
 from armside.sim.tuning.rules import Rules
-from armside.sim.tuning.task import FASTEST, SLOWEST
 
 from ..jobs.resolved import robot_content
 from ..jobs.store import digest_of

@@ -7,7 +7,7 @@ import numpy as np
 from stable_baselines3 import PPO  # pyright: ignore[reportMissingImports]
 from stable_baselines3.common import callbacks  # pyright: ignore[reportMissingImports]
 
-from armside.sim.tuning.evaluation import Network
+from armside.sim.tuning.policies import Network
 from armside.sim.tuning.stable_baselines import Cells
 from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 

@@ -11,7 +11,7 @@ from armside import kinematics
 from armside.arrays import Array
 from armside.sim.evaluation.check import Check, Table
 from armside.sim.imu import ImuExperiment
-from armside.sim.imu.evaluation import FAST_CIRCLE, RECTANGLE, SLOW_CIRCLE, WINDOW
+from armside.sim.imu.phases import FAST_CIRCLE, RECTANGLE, SLOW_CIRCLE, WINDOW
 from armside.sim.robot.flexibility import Flexibility
 
 from ..figures import imu as figures

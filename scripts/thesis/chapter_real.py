@@ -19,7 +19,7 @@ from armside.kinematics.calibration import (
 )
 from armside.sim.evaluation.check import Check, Table
 from armside.sim.gears import analyse_gears
-from armside.sim.imu.recorded import process, repeatability
+from armside.sim.imu.chapter5_recorded import process, repeatability
 from armside.sim.recordings import MotionRecording, read_motion, read_poses
 from armside.sim.recordings.paths import compare_logs
 from armside.sim.recordings.paths.waypoint_path import read_path_logs

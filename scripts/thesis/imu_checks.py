@@ -16,7 +16,7 @@ from armside.arrays import Array
 from armside.kinematics import IRB1400
 from armside.sim.cell import CELLS
 from armside.sim.evaluation.check import Check
-from armside.sim.imu.evaluation import FAST_CIRCLE, SLOW_CIRCLE
+from armside.sim.imu.phases import FAST_CIRCLE, SLOW_CIRCLE
 from armside.sim.imu.vibration import lines
 from armside.sim.robot.model import load_model
 

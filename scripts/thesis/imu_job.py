@@ -7,8 +7,8 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.sim.imu import ImuExperiment, ImuResult, RestExperiment
-from armside.sim.imu.evaluation import RECTANGLE
-from armside.sim.imu.experiment import clock_errors, prepare, reprocessed, run_one
+from armside.sim.imu.imu_experiment import clock_errors, prepare, reprocessed, run_one
+from armside.sim.imu.phases import RECTANGLE
 from armside.sim.imu.vibration import run_rest
 from armside.sim.motion.planner import ProgramMotion
 

@@ -12,9 +12,9 @@ from armside.sim.controller.stored_correction import REFERENCE, read_correction
 
 from ..cutting.earlier import Earlier, started
 from ..shell.options import Common
+from .law_results import key
 from .options import LearnCfg
-from .plants import named_task, refuse_other_path
-from .results import key
+from .plant_option import named_task, refuse_other_path
 
 if TYPE_CHECKING:
     from armside.ilc.workbench.task import Task

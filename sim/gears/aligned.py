@@ -11,10 +11,10 @@ from armside.kinematics import CompiledRobot
 
 from ..recordings.alignment.checks import check_motors
 from ..recordings.alignment.encoder_motion import RATE, EncoderMotion, encoder_motion
-from ..recordings.alignment.imu import ImuAlignment, align_imu
+from ..recordings.alignment.imu_alignment import ImuAlignment, align_imu
 from ..recordings.alignment.tracker import TrackerAlignment, align_tracker
-from ..recordings.recording import MotionRecording
-from .observation import Observation
+from ..recordings.recorded_motion import MotionRecording
+from .residual_spectra import Observation
 
 Sensor = Literal["imu", "tracker"]
 EDGE = 1.5

@@ -15,7 +15,13 @@ from armside.arrays import Array
 from armside.kinematics import Arm, compile
 
 from ..recordings.alignment.encoder_motion import RATE
-from ..recordings.recording import SHORTEST, MotionRecording, Stream, check_angles, check_times
+from ..recordings.recorded_motion import (
+    SHORTEST,
+    MotionRecording,
+    Stream,
+    check_angles,
+    check_times,
+)
 from .aligned import SHORTEST_SEEN, Aligned, Sensor, align
 from .judgement import (
     InBand,
@@ -28,9 +34,9 @@ from .judgement import (
     sensor_ratio,
     spectra,
 )
-from .learning import CANDIDATES, CHANCE, Course
-from .observation import Observation
+from .residual_spectra import Observation
 from .scan import SMALLEST, Scan, resolution
+from .several_observations import CANDIDATES, CHANCE, Course
 from .transmission import Transmission
 
 

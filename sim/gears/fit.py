@@ -10,7 +10,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from .observation import Observation, Spectrum, as_real
+from .residual_spectra import Observation, Spectrum, as_real
 from .scan import Candidate
 from .transmission import Transmission
 

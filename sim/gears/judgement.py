@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from armside.arrays import Array
 
 from ..recordings.alignment.encoder_motion import RATE, bandpass
-from ..recordings.alignment.imu import GRAVITY
+from ..recordings.alignment.imu_alignment import GRAVITY
 from .aligned import EDGE, Aligned
-from .observation import Observation, smoothed
+from .residual_spectra import Observation, smoothed
 from .transmission import Transmission
 
 QUIET = (3.0, 5.5)

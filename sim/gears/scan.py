@@ -8,7 +8,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from .observation import Observation, as_real
+from .residual_spectra import Observation, as_real
 
 SMALLEST = 20.0
 """Smallest order of a scan; errors of a lower one are too slow for the sensor's band."""

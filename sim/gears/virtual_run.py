@@ -17,7 +17,7 @@ from ..instruments.laser_tracker import LaserTrackerCfg, set_up
 from ..laser.experiment import Pass, prepare
 from ..laser.specification import Setup
 from ..motion.tool_motion import joint_reference
-from ..recordings.recording import MotionRecording, Stream
+from ..recordings.recorded_motion import MotionRecording, Stream
 from ..robot.virtual_robot import LOG_PERIOD
 
 SINES = 3

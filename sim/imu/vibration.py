@@ -9,9 +9,9 @@ from armside.arrays import Array
 
 from ..instruments.imu import ImuSamples
 from ..robot.virtual_robot import LOG_PERIOD, VirtualRobot
-from .evaluation import ImuRun, largest_gap
-from .experiment import sense
-from .specification import RestExperiment
+from .imu_experiment import sense
+from .imu_specification import RestExperiment
+from .phases import ImuRun, largest_gap
 
 SETTLING_TIME = 0.5  # Left out after the motors are switched on [s]
 SEGMENT = 2.0  # Segment of a power spectrum [s]: a resolution of 0.5 Hz

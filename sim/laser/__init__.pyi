@@ -4,8 +4,8 @@ from .experiment import Experiment as Experiment
 from .experiment import Iteration as Iteration
 from .experiment import Pass as Pass
 from .experiment import prepare as prepare
-from .learning import iterate as iterate
-from .learning import learn as learn
+from .loop import iterate as iterate
+from .loop import learn as learn
 from .measures import Measure as Measure
 from .measures import MotorAngles as MotorAngles
 from .measures import Output as Output

@@ -7,7 +7,7 @@ from ..estimation.elasticity import ArmParameters
 from ..instruments.imu import ImuCfg
 from .design import default_design
 from .experiment import Experiment, Iteration, prepare
-from .learning import Start, first_run, iterate
+from .loop import Start, first_run, iterate
 from .measures import MotorAngles
 from .specification import Cut
 from .tool_measure import Source, ToolOutput, ToolPath

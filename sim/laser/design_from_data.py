@@ -3,12 +3,12 @@
 from dataclasses import dataclass, replace
 
 from armside.ilc.analysis.proposal import Proposal, design_for
-from armside.ilc.identification.first_order import FirstOrderModel, LearningRecord, identify
+from armside.ilc.identification.first_order_lag import FirstOrderModel, LearningRecord, identify
 
 from ..robot.virtual_robot import LOG_PERIOD
 from .design import THESIS
 from .experiment import prepare
-from .learning import iterate
+from .loop import iterate
 from .measures import MotorAngles
 from .specification import Cut
 

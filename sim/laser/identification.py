@@ -17,9 +17,9 @@ from ..estimation.nominal import NominalArm, NominalCfg, nominal_arm
 from ..estimation.rigid_motion import rigid_motion
 from ..motion.tool_motion import motion_notes
 from ..robot.individual import as_built
-from .consistency import consistency
+from .estimate_consistency import consistency
 from .experiment import Experiment
-from .learning import first_run
+from .loop import first_run
 from .results import pass_notes
 
 UNIDENTIFIED = 0.5

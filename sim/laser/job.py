@@ -11,7 +11,7 @@ from armside.ilc.measures import norms as measures
 from ..notes import Note
 from .design import THESIS, Design
 from .experiment import Experiment, Iteration, prepare
-from .learning import iterate
+from .loop import iterate
 from .measures import MotorAngles
 from .results import iteration_row, notes
 from .specification import Cut

@@ -22,7 +22,7 @@ from armside.kinematics.rotation import from_quaternion
 from ..motion.instructions import Dynamics
 from ..motion.path import Plane
 from ..motion.profile_grid import Bounds, BoundsAt
-from ..part.chain import Chain, place
+from ..part.arcs import Chain, place
 from ..robot.drives import Drives
 from ..robot.statics import Statics
 from .specification import Setup

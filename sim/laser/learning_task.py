@@ -12,7 +12,7 @@ from ..evaluation.tool_error import tool_error
 from ..robot.virtual_robot import LOG_PERIOD
 from .design import default_design
 from .experiment import Pass, prepare
-from .learning import generators
+from .loop import generators
 from .specification import Cut
 
 SERVO = System(np.array([0.0] * 5 + [0.5083]), np.array([1.0, -0.4884]), LOG_PERIOD)

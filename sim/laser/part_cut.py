@@ -20,7 +20,7 @@ from ..motion.planner import straight_timing
 from ..motion.timing import PathLimits, Timing
 from ..motion.tool_motion import joint_reference
 from ..notes import Cause, Note
-from ..part.chain import Chain, place
+from ..part.arcs import Chain, place
 from ..part.motion import ContourPlace, CutLeg, Leg, PartMotion, on_grid, samples_until
 from ..part.part import Part
 from ..part.plan import Cutting, Plan, plan, rapid_moves

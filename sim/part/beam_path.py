@@ -6,7 +6,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from .chain import MM, Chain, arc, biarc, joined, place
+from .arcs import MM, Chain, arc, biarc, joined, place
 from .geometry import shapely
 from .part import SAGITTA
 

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..motion.contour import ArcsAndLines, Circle, ClosedCurve, chord
-from .chain import MM, Chain, place
+from .arcs import MM, Chain, place
 from .curve import is_circle
 from .drawing import JOIN, Reading, Unit, join
 

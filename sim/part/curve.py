@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..motion.contour import Circle, ClosedCurve
-from .chain import Chain
+from .arcs import Chain
 
 SPACING = 1e-3
 """Largest distance of the points that the search for a nearest point starts from [m]."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from .chain import MM, Chain, joined, place
+from .arcs import MM, Chain, joined, place
 
 LARGEST = 20.0
 """Size of a drawing from which its unit is doubted [m]. ESTIMATE"""

@@ -11,7 +11,7 @@ from ezdxf import units
 
 from armside.arrays import Array
 
-from .chain import Chain, arc, fitted, line, place, polyline
+from .arcs import Chain, arc, fitted, line, place, polyline
 from .drawing import Drawing, DrawnEntity, Reading, Unit
 
 FLAT = 1e-6

@@ -13,7 +13,7 @@ from ..motion.contour import ClosedCurve
 from ..motion.path import Plane
 from ..motion.timing import Timing
 from ..motion.tool_motion import LimitHit
-from .chain import Chain
+from .arcs import Chain
 from .curve import Kind, centred
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..motion.contour import ArcsAndLines
-from .chain import MM, Chain, place
+from .arcs import MM, Chain, place
 from .contour_file import read_contour
 from .curve import Kind
 from .drawing import Drawing, DrawnEntity, Joined, Reading, check_size, join

@@ -10,8 +10,8 @@ from armside.arrays import Array
 from ..motion.profile_grid import BoundsAt
 from ..motion.speed_profile import Bends, Profile, profiles
 from ..motion.timing import PathLimits, rest_to_rest
+from .arcs import MM, Chain, place
 from .beam_path import CORNER, SMOOTH, Led, compensated, led, smooth
-from .chain import MM, Chain, place
 from .curve import Kind
 from .geometry import shapely
 from .order import order

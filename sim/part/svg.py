@@ -17,7 +17,7 @@ import svgelements
 
 from armside.arrays import Array
 
-from .chain import Chain, arc, fitted, joined, line, place
+from .arcs import Chain, arc, fitted, joined, line, place
 from .drawing import Drawing, DrawnEntity, Reading, Unit
 
 ROUND = 1e-9

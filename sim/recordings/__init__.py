@@ -4,6 +4,6 @@ from .bags import BagTopics as BagTopics
 from .read import is_motion as is_motion
 from .read import read_motion as read_motion
 from .read import read_poses as read_poses
-from .recording import MotionRecording as MotionRecording
-from .recording import PoseRecording as PoseRecording
-from .recording import Stream as Stream
+from .recorded_motion import MotionRecording as MotionRecording
+from .recorded_motion import PoseRecording as PoseRecording
+from .recorded_motion import Stream as Stream

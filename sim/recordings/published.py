@@ -24,8 +24,8 @@ from armside.arrays import Array
 from armside.kinematics.calibration import Measurements
 
 from ..records.files import LARGEST_DATA, check_file
-from .bags.read import UR
-from .recording import MotionRecording, PoseRecording, Stream, repaired
+from .bags.bag import UR
+from .recorded_motion import MotionRecording, PoseRecording, Stream, repaired
 
 MM = 1e-3
 DRIFT = 0.3e-3

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ..records.files import LARGEST_DATA, check_file
 from .bags import BagTopics
-from .recording import MotionRecording, PoseRecording, Stream
+from .recorded_motion import MotionRecording, PoseRecording, Stream
 
 FIRST = 0
 """Iteration of a run that is read: later ones are corrected by what was learned."""
@@ -30,8 +30,8 @@ def read_motion(source: Path, topics: BagTopics = BagTopics()) -> MotionRecordin
         ValueError: of no known form, or damaged; the message names file and place.
         OSError: a file cannot be read.
     """
+    from .bags.bag import motion_of_bag
     from .bags.messages import is_bag
-    from .bags.read import motion_of_bag
 
     if is_bag(source):
         return motion_of_bag(source, topics)
@@ -108,8 +108,8 @@ def read_poses(data: Path, topics: BagTopics = BagTopics()) -> PoseRecording:
         ValueError: the data are of no known form, or damaged; the message names file and place.
         OSError: a file cannot be read.
     """
+    from .bags.bag import poses_of_bag
     from .bags.messages import is_bag
-    from .bags.read import poses_of_bag
     from .published import is_irb120, is_ur10, read_irb120, read_ur10
     from .tables import read_pose_table
 

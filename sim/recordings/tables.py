@@ -25,7 +25,7 @@ from armside.kinematics.calibration import Measurements
 from armside.kinematics.rotation import from_quaternion
 
 from ..records.tables import READERS, float_columns, read_table, write_table
-from .recording import MotionRecording, PoseRecording, Stream, repaired
+from .recorded_motion import MotionRecording, PoseRecording, Stream, repaired
 
 QUATERNION = ("tool_qw", "tool_qx", "tool_qy", "tool_qz")
 COLUMNS = {

@@ -15,7 +15,7 @@ from ..motion.contour import ArcsAndLines, Circle, ClosedCurve
 from ..motion.path import CuttingPath, Plane
 from ..motion.timing import Timing
 from ..motion.tool_motion import ToolMotion
-from ..part.chain import Chain
+from ..part.arcs import Chain
 from ..part.curve import Kind
 from ..part.motion import CutLeg, Leg, PartMotion
 from .summary import plain

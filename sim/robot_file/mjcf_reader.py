@@ -17,7 +17,7 @@ from armside.arrays import Array
 from armside.kinematics import Body, Robot, rotation
 from armside.kinematics.rigid import link_frames, transform
 from armside.kinematics.urdf import UrdfArm
-from armside.kinematics.urdf.chain import (
+from armside.kinematics.urdf.links_and_joints import (
     WHOLE_TURN,
     Document,
     Fault,

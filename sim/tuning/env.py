@@ -54,7 +54,7 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     Reward: log(RMS before / RMS after) of the tool's contour as measured by the configured sensor,
     clipped to [-5, 5]; -5 for a run that diverged; 0 where the sensor has no measure.
 
-    Info: `armside.sim.tuning.rules.Rules.info`. Tasks: `armside.sim.tuning.task`.
+    Info: `armside.sim.tuning.rules.Rules.info`. Tasks: `armside.sim.tuning.episode_task`.
     An episode is truncated after `iterations` steps and terminated by a run that diverges.
     """
 

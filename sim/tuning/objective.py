@@ -11,9 +11,9 @@ from ..laser.experiment import Experiment
 from ..motion.tool_motion import motion_notes
 from ..notes import Note, counted
 from ..robot.run import cores
+from .episode_task import Task
 from .rules import Rules
 from .situation import Situation, restarted
-from .task import Task
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -47,7 +47,7 @@ class Episode(NamedTuple):
 def prepare(rules: Rules, seeds: Iterable[int], fixed: dict[str, Any]) -> list[Episode]:
     """The episodes of those seeds.
 
-    fixed: what is not drawn, as the options of `armside.sim.tuning.task.draw`.
+    fixed: what is not drawn, as the options of `armside.sim.tuning.episode_task.draw`.
 
     Raises ValueError where a job cannot be done or a seed is sealed.
     """

@@ -12,8 +12,8 @@ from armside.ilc.measures.norms import two_norm
 
 from ..robot.virtual_robot import LOG_PERIOD
 from .action import SIX, CorrectionBasis
+from .episode_task import LARGEST, SMALLEST, Shapes
 from .situation import Situation
-from .task import LARGEST, SMALLEST, Shapes
 
 
 @dataclass(frozen=True)

@@ -23,11 +23,11 @@ from ..robot.spread import Drawn, check_applies
 from ..robot_file.find import find_cell
 from ..twin.prediction import Corrected
 from ..twin.twin import learned, stored_twin
-from . import task
+from . import episode_task as task
 from .action import LARGEST_COUNT, VARIABLES, Coefficients, CorrectionBasis, Motors, design_of
+from .episode_task import TEST_SEEDS, Shapes, Task, shapes_of, whole
 from .observation import Layout
 from .situation import RewardSensor, Sensor, Situation, advance, begin
-from .task import TEST_SEEDS, Shapes, Task, shapes_of, whole
 
 WORST_REWARD = -5.0  # Reward of a run that diverged; also the bound of every other
 
@@ -169,7 +169,7 @@ class Rules(EnvCfg):
         return seed
 
     def draw(self, rng: np.random.Generator, options: Mapping[str, Any] | None = None) -> Task:
-        """Draw a task. See `armside.sim.tuning.task.draw`."""
+        """Draw a task. See `armside.sim.tuning.episode_task.draw`."""
         if self.individual is not None and isinstance(options, Mapping | None):
             options = {"individual": self.individual} | dict(options or {})
         return task.draw(self.robot_or_cell, rng, options, self.shapes)

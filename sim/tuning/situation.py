@@ -22,13 +22,13 @@ from ..instruments.imu import ImuCfg
 from ..instruments.laser_tracker import beam
 from ..laser.design import Design
 from ..laser.experiment import Experiment, Pass, true_tool_error
-from ..laser.learning import FROM_A_MODEL
+from ..laser.loop import FROM_A_MODEL
 from ..motion.tool_motion import ToolMotion
 from ..notes import Note
 from ..robot.recording import saturation
 from ..twin.prediction import Corrected
 from .action import REACH, Coefficients
-from .task import Task
+from .episode_task import Task
 
 if TYPE_CHECKING:
     from ..laser.tool_measure import ToolOutput

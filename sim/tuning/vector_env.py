@@ -18,9 +18,9 @@ from gymnasium.vector.utils import batch_space
 from ..motion.tool_motion import motion_notes
 from ..notes import Note, Tally
 from ..robot.run import cores
+from .episode_task import whole
 from .rules import Decision, Rules, Step
 from .situation import Situation
-from .task import whole
 
 Result = TypeVar("Result")
 

@@ -36,7 +36,7 @@ from ..laser.experiment import Experiment
 from ..robot.individual import Individual
 from ..robot.mjcf import N_AXES
 from ..robot.spread import PRODUCTION
-from .learning import learn_in_twin, twin_error
+from .correction import learn_in_twin, twin_error
 from .parameters import SPRINGS, Parameters
 from .recordings import SensorName
 from .simulation import RobotDesign, motor_path

@@ -14,7 +14,7 @@ from armside.sim.estimation.imu_health import repaired
 from armside.sim.estimation.rigid_motion import rigid_motion
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case
-from armside.sim.laser.learning import first_run
+from armside.sim.laser.loop import first_run
 
 from ._timing import Row, timed
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from armside.sim.laser.part_cut import PartCut
-from armside.sim.part.chain import MM, Chain, arc, joined, line
+from armside.sim.part.arcs import MM, Chain, arc, joined, line
 from armside.sim.part.drawing import Joined
 from armside.sim.part.part import Part, part_of
 from armside.sim.part.plan import Cutting

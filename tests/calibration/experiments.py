@@ -14,7 +14,7 @@ from armside.sim.instruments.laser_tracker import TrackerSamples
 from armside.sim.laser.design import Design
 from armside.sim.laser.experiment import Experiment, Pass, prepare
 from armside.sim.laser.job import arrays_of
-from armside.sim.laser.learning import iterate
+from armside.sim.laser.loop import iterate
 from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.results import notes
 from armside.sim.laser.specification import Cut

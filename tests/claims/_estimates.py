@@ -16,7 +16,7 @@ from armside.sim.estimation.tool_law import ToolLawKind as ToolLawKind
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case, rms
 from armside.sim.laser.experiment import Iteration, Pass
-from armside.sim.laser.learning import iterate
+from armside.sim.laser.loop import iterate
 from armside.sim.laser.results import notes
 from armside.sim.laser.specification import Cut
 from armside.sim.laser.tool_measure import Source, ToolOutput, ToolPath

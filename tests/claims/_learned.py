@@ -9,7 +9,7 @@ from armside.arrays import Array
 from armside.ilc.measures import norms
 from armside.sim.laser.design import Design
 from armside.sim.laser.experiment import prepare
-from armside.sim.laser.learning import iterate
+from armside.sim.laser.loop import iterate
 from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.results import results
 from armside.sim.laser.specification import Cut

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from armside.arrays import Array
-from armside.kinematics.urdf.chain import Document, Kind, children
 from armside.kinematics.urdf.document import read_document
+from armside.kinematics.urdf.links_and_joints import Document, Kind, children
 
 PACKAGES = ("rtb-data", "example-robot-data", "pybullet", "robosuite")
 """Distributions with URDF files; those that are not installed are left out."""

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from armside.scripts.thesis.chapter9 import bands
 from armside.scripts.thesis.chapter9.bands import MOST_MOVED, POSES, SPEEDS
-from armside.scripts.thesis.chapter9.identification import LAW
+from armside.scripts.thesis.chapter9.response import LAW
 from armside.scripts.thesis.chapter9.table import STUDIES, Study
 
 from ._engine import Check, Claim, Row, Rows, Tally

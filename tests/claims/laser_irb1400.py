@@ -17,7 +17,7 @@ from armside.sim.cell import CELLS
 from armside.sim.laser.design import THESIS, Design, default_design
 from armside.sim.laser.design_from_data import CUTOFFS, design_from_data
 from armside.sim.laser.experiment import prepare
-from armside.sim.laser.learning import iterate
+from armside.sim.laser.loop import iterate
 from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.results import iteration_row, notes
 from armside.sim.laser.specification import Cut

@@ -17,7 +17,7 @@ from armside.sim.robot.effects import Effect
 from armside.sim.robot.individual import Individual
 from armside.sim.robot.spread import Drawn
 from armside.sim.robot_file.find import find_cell
-from armside.sim.tuning.evaluation import run_episode
+from armside.sim.tuning.policies import run_episode
 from armside.sim.tuning.rules import Rules
 
 from .. import evidence

@@ -11,9 +11,9 @@ import pytest
 import armside.sim.tuning  # noqa: F401 - registers the env
 from armside import assets
 from armside.scripts import cli
-from armside.sim.tuning.evaluation import Network, run_episode
+from armside.sim.tuning.episode_task import TEST_SEEDS
+from armside.sim.tuning.policies import Network, run_episode
 from armside.sim.tuning.rules import Rules
-from armside.sim.tuning.task import TEST_SEEDS
 
 TWO_LINK = assets.LARGE_ROBOT_XML.with_name("two_link.toml")
 pytest.importorskip("stable_baselines3", reason="needs the extra [learn]", exc_type=ImportError)

@@ -7,7 +7,7 @@ import numpy as np
 
 from armside.scripts.figures.laser import circles
 from armside.sim.cell import TOOL_QUATERNION, ToolPose
-from armside.sim.laser.learning import learn
+from armside.sim.laser.loop import learn
 from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.specification import Cut
 from armside.sim.part.contour_file import rounded

@@ -20,7 +20,7 @@ from armside.ilc.estimation.process import Process, steady_state_covariance
 from armside.ilc.estimation.square_root import smooth_square_root
 from armside.ilc.filters import Edge, ZeroPhaseButterworth
 from armside.ilc.identification.arx import fit_arx
-from armside.ilc.identification.first_order import fit_first_order
+from armside.ilc.identification.first_order_lag import fit_first_order
 from armside.ilc.identification.polynomial import Orders
 from armside.ilc.identification.polynomial_fit import fit_polynomial
 from armside.ilc.identification.subspace import fit_subspace

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from armside.ilc.identification.arx import Information, fit_arx, select_arx
-from armside.ilc.identification.first_order import (
+from armside.ilc.identification.first_order_lag import (
     LearningRecord,
     fit_first_order,
     fit_of,

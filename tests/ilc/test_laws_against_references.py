@@ -6,7 +6,7 @@ import pytest
 from armside.ilc.analysis.robustness import PARAMETERS, monte_carlo
 from armside.ilc.divergence import DIVERGENCE_RATIO, has_diverged
 from armside.ilc.filters import ZeroPhaseButterworth
-from armside.ilc.identification.first_order import fit_first_order
+from armside.ilc.identification.first_order_lag import fit_first_order
 from armside.ilc.laws import Heuristic
 from armside.ilc.laws.first_order import FirstOrderLaw
 from armside.ilc.laws.model_based import RegularisedInverse

@@ -7,8 +7,8 @@ import pytest
 
 from armside.ilc.workbench.signals import read_signal, write_signal
 from armside.scripts.shell.errors import InputError
-from armside.scripts.workbench.by_hand import Session
 from armside.scripts.workbench.options import LearnCfg
+from armside.scripts.workbench.run_by_hand import Session
 
 N, T, RUNS = 40, 0.01, 2
 FILES = ("reference.csv", "u_0.csv", "y_0.csv", "u_1.csv", "y_1.csv")

@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from armside.ilc.workbench.compare import LawRun
-from armside.ilc.workbench.prediction import Prediction
+from armside.ilc.workbench.predicted import Prediction
 from armside.scripts.figures import canvas, convergence
 from armside.scripts.figures import imu as imu_figures
 from armside.scripts.figures import laser as figures

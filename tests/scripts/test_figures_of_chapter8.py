@@ -7,7 +7,7 @@ import pytest
 
 from armside.ilc import two_mass_study
 from armside.scripts.cli import main
-from armside.scripts.workbench.two_mass import study_of
+from armside.scripts.workbench.joint import study_of
 
 
 def sections(folder):

@@ -9,7 +9,7 @@ import pytest
 from armside.kinematics import robot_toml
 from armside.scripts.cli import main
 from armside.scripts.commands.imu import ImuOptions
-from armside.sim.imu.evaluation import idle_peaks
+from armside.sim.imu.phases import idle_peaks
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.records.signals import read_signals
 

@@ -9,7 +9,7 @@ import pytest
 
 from armside import assets
 from armside.scripts.cli import main
-from armside.scripts.cutting.learning import predicted_line as line
+from armside.scripts.cutting.cut_run import predicted_line as line
 from armside.sim.records.signals import read_signals
 
 from .replay_content import content

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from armside.scripts.cli import main
-from armside.scripts.cutting.learning import ready, run
+from armside.scripts.cutting.cut_run import ready, run
 from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.specification import contour, cut, measure
 from armside.scripts.figures import laser as kerf_figure

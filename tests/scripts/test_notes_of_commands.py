@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from armside.scripts.commands.commission import named
-from armside.sim.tuning.evaluation import Network
+from armside.sim.tuning.policies import Network
 
 
 def test_train_counts_the_limits_of_its_runs(armside, monkeypatch):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from armside.sim.cell import CELLS, LARGE_CELL
-from armside.sim.imu.specification import RestExperiment, RobotSetup
+from armside.sim.imu.imu_specification import RestExperiment, RobotSetup
 from armside.sim.laser import Cut, prepare
 from armside.sim.robot.mjcf import ModelError
 from armside.sim.tuning.rules import Rules

@@ -9,7 +9,7 @@ import pytest
 from armside import kinematics
 from armside.scripts import cli
 from armside.scripts.cli import main
-from armside.scripts.viewers.robot import hold, posable
+from armside.scripts.viewers.sliders import hold, posable
 from armside.sim.cell import CELLS, LARGE_CELL
 from armside.sim.robot.model import load_model
 from armside.sim.robot.statics import Statics

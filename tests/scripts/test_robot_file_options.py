@@ -16,7 +16,7 @@ from armside.scripts.jobs.grid import parse
 from armside.scripts.jobs.resolved import key_of, resolved
 from armside.scripts.shell.errors import InputError
 from armside.scripts.studies.options import TuneCfg
-from armside.scripts.viewers.robot import posable
+from armside.scripts.viewers.sliders import posable
 from armside.sim.robot.mjcf import ModelError
 
 HERE = assets.LARGE_ROBOT_XML.parent

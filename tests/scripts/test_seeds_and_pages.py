@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from armside.scripts.cutting.learning import ready
+from armside.scripts.cutting.cut_run import ready
 from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.specification import contour, cut, measure
 from armside.scripts.jobs import store as room

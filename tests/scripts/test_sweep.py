@@ -7,7 +7,7 @@ import sys
 import pyarrow.parquet as pq
 import pytest
 
-from armside.scripts.cutting.learning import run
+from armside.scripts.cutting.cut_run import run
 from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.jobs.dataset import Dataset
 from armside.scripts.jobs.grid import parse

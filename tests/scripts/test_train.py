@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from armside.scripts.studies.study import whole_batches
-from armside.sim.tuning.evaluation import Network
+from armside.sim.tuning.policies import Network
 
 
 def _network(rng):

@@ -10,11 +10,11 @@ import pytest
 from armside.scripts.figures import tuning as tune_figures
 from armside.scripts.shell import console
 from armside.scripts.shell.options import Common
-from armside.scripts.studies import report as tune_report
 from armside.scripts.studies import study as studies
-from armside.scripts.studies.report import importance
+from armside.scripts.studies import tune_report
 from armside.scripts.studies.search import search
 from armside.scripts.studies.study import Outcome
+from armside.scripts.studies.tune_report import importance
 from armside.sim.laser.design import THESIS
 from armside.sim.tuning.action import Motors
 from armside.sim.tuning.situation import RewardSensor

@@ -12,9 +12,9 @@ from tests.claims._episodes import TUNED, searched
 from armside.scripts.studies.study import first_action, load_design
 from armside.sim.laser.design import Design
 from armside.sim.tuning.action import VARIABLES, Motors, action_of
-from armside.sim.tuning.evaluation import Network, always, evaluate
+from armside.sim.tuning.episode_task import TEST_SEEDS, draw
+from armside.sim.tuning.policies import Network, always, evaluate
 from armside.sim.tuning.rules import Rules
-from armside.sim.tuning.task import TEST_SEEDS, draw
 
 
 def _config(name):

@@ -19,8 +19,12 @@ from numpy.typing import ArrayLike, NDArray
 from armside.arrays import Array
 from armside.ilc.analysis.criterion import frequency_grid, hertz, heuristic_criterion
 from armside.ilc.filters import ALL_PASS, ZeroPhaseButterworth
-from armside.ilc.identification import first_order as learning_data
-from armside.ilc.identification.first_order import FirstOrderModel, LearningRecord, fit_first_order
+from armside.ilc.identification import first_order_lag as learning_data
+from armside.ilc.identification.first_order_lag import (
+    FirstOrderModel,
+    LearningRecord,
+    fit_first_order,
+)
 from armside.ilc.laws import Heuristic
 from armside.ilc.measures import norms as measures
 from armside.ilc.models.system import System

@@ -9,7 +9,7 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.ilc.analysis.proposal import Proposal, design_for
-from armside.ilc.identification.first_order import FirstOrderModel
+from armside.ilc.identification.first_order_lag import FirstOrderModel
 from armside.sim.evaluation.check import Check, Table
 
 from ...jobs.store import Job

@@ -16,8 +16,8 @@ from ..report import Asked, Entry, Part, Read, Section
 from . import bands, figures
 from .bands import AT, POSES, Result
 from .designs import friction_feedforward, per_motor
-from .identification import identified_model
-from .robustness import effects, individuals, phenomena_map
+from .response import identified_model
+from .robots_and_speeds import effects, individuals, phenomena_map
 from .table import STUDIES
 
 Results = Mapping[Any, Result]

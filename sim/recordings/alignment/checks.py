@@ -13,7 +13,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.kinematics import CompiledRobot
 
-from ..recording import Stream
+from ..recorded_motion import Stream
 from .encoder_motion import EncoderMotion, likeness_at_best_lag
 
 SCALE = (0.5, 2.0)

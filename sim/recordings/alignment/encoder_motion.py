@@ -8,7 +8,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.kinematics import CompiledRobot
 
-from ..recording import Stream
+from ..recorded_motion import Stream
 
 RATE = 100.0
 """[Hz] Of the grid."""

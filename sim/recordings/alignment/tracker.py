@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from armside.arrays import Array
 from armside.kinematics.calibration.measurements import procrustes
 
-from ..recording import Stream
+from ..recorded_motion import Stream
 from .encoder_motion import RATE, EncoderMotion, coarse_lag, lowpass
 
 SLOW = 2.0

@@ -10,7 +10,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ...records.files import InputError
-from ..recording import MotionRecording, Stream
+from ..recorded_motion import MotionRecording, Stream
 from .messages import BILLION
 
 

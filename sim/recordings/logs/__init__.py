@@ -3,5 +3,5 @@
 Angles are those of the axes as the controller shows them: a coupling of axes is not undone.
 """
 
-from .read import ControllerLog as ControllerLog
-from .read import read_log as read_log
+from .controller_log import ControllerLog as ControllerLog
+from .controller_log import read_log as read_log

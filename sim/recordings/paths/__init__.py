@@ -4,11 +4,11 @@ Deviations are across the path at constant speed, of the tool by motor angles: n
 is seen. SI units, base axes.
 """
 
-from .comparison import AtSpeed as AtSpeed
-from .comparison import PathComparison as PathComparison
-from .comparison import TimingErrors as TimingErrors
-from .comparison import compare_logs as compare_logs
-from .comparison import timing_errors as timing_errors
+from .beside_virtual import AtSpeed as AtSpeed
+from .beside_virtual import PathComparison as PathComparison
+from .beside_virtual import TimingErrors as TimingErrors
+from .beside_virtual import compare_logs as compare_logs
+from .beside_virtual import timing_errors as timing_errors
 from .waypoint_path import PathScatter as PathScatter
 from .waypoint_path import WaypointPath as WaypointPath
 from .waypoint_path import path_scatter as path_scatter

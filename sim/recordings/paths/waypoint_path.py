@@ -21,7 +21,7 @@ from armside.arrays import Array
 from armside.kinematics import CompiledRobot
 
 from ...records.files import LARGEST_DATA, check_file
-from ..recording import Stream
+from ..recorded_motion import Stream
 
 MM = 1e-3
 NUMBER = re.compile(r"-?\d+\.?\d*(?:[eE][-+]?\d+)?")

@@ -11,7 +11,7 @@ from armside.ilc.models.system_matrix import SystemMatrix
 from armside.ilc.workbench.compare import run_law, setting_of
 from armside.ilc.workbench.laws import build_law
 from armside.ilc.workbench.plants import Record, linear, own_plant
-from armside.ilc.workbench.prediction import contraction, predict
+from armside.ilc.workbench.predicted import contraction, predict
 from armside.ilc.workbench.words import Words
 
 OMEGA_NEAR = 1.0 + 1e-4 * np.tan(np.linspace(-1.57, 1.57, 20001))

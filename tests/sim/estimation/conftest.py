@@ -3,7 +3,7 @@
 import pytest
 
 from armside.sim.laser import prepare
-from armside.sim.laser.learning import first_run
+from armside.sim.laser.loop import first_run
 
 from .one_cut import CUT
 

@@ -23,7 +23,7 @@ from armside.sim.estimation.linearised_arm import linearised
 from armside.sim.estimation.nominal import NominalCfg, nominal_arm
 from armside.sim.estimation.rigid_motion import rigid_motion
 from armside.sim.laser import Cut, ToolPath, prepare
-from armside.sim.laser.learning import first_run
+from armside.sim.laser.loop import first_run
 from armside.sim.motion.contour import slot
 from armside.sim.robot.model import load_model
 

@@ -144,7 +144,7 @@ def test_a_chain_without_cuts_is_left_as_it_is():
 def test_the_path_of_an_observer_of_the_robot_itself_is_the_robots(robot):
     """Structure known, exact angles: what is left is the constraint of the two rollouts."""
     from armside.sim.laser import Cut, prepare
-    from armside.sim.laser.learning import first_run
+    from armside.sim.laser.loop import first_run
     from armside.sim.robot.effects import Effect
 
     truth = first_run(prepare(Cut(robot="irb1400", without=tuple(Effect)))).recording.truth

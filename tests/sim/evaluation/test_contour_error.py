@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from armside.sim.evaluation.contour_error import BEYOND, LARGEST_RADIUS, corner_error, in_corners
-from armside.sim.part.chain import arc, joined, line
+from armside.sim.part.arcs import arc, joined, line
 from armside.sim.part.curve import ChainCurve
 
 RADIUS, SIDE = 0.005, 0.1

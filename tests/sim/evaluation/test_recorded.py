@@ -13,7 +13,7 @@ from armside.sim.evaluation.recorded import (
     notes_of_table,
 )
 from armside.sim.laser import Cut, prepare
-from armside.sim.laser.learning import first_run
+from armside.sim.laser.loop import first_run
 from armside.sim.notes import Cause
 from armside.sim.records.signals import RecordedRun, Signals
 

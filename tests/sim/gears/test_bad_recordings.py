@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from armside.sim.gears import GearsCfg, analyse_gears
-from armside.sim.imu.recorded import process
+from armside.sim.imu.chapter5_recorded import process
 from armside.sim.recordings import Stream, read_motion
 from armside.sim.recordings.alignment.checks import check_pair
 from armside.sim.recordings.tables import write_motion_tables

@@ -6,7 +6,7 @@ import pytest
 from armside.kinematics import compile
 from armside.sim.recordings import Stream
 from armside.sim.recordings.alignment.encoder_motion import encoder_motion
-from armside.sim.recordings.alignment.imu import GRAVITY, ImuAlignment, align_imu
+from armside.sim.recordings.alignment.imu_alignment import GRAVITY, ImuAlignment, align_imu
 
 
 def test_drift_of_the_clock_and_the_delay_of_each_sensor_are_found(scenes):

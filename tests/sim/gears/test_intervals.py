@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from armside.sim.gears.fit import fit, normal, softened
-from armside.sim.gears.learning import reweighted
-from armside.sim.gears.observation import Observation
+from armside.sim.gears.residual_spectra import Observation
+from armside.sim.gears.several_observations import reweighted
 from armside.sim.gears.transmission import CONFIDENCE, Transmission
 
 SAMPLING, DURATION, BAND = 10.5, 120.0, (0.6, 3.5)

@@ -19,7 +19,7 @@ from armside.sim.imu import (
     run_one,
     run_rest,
 )
-from armside.sim.imu.evaluation import idle_peaks, under_way
+from armside.sim.imu.phases import idle_peaks, under_way
 from armside.sim.robot.flexibility import Flexibility, variant
 from armside.sim.robot.model import load_model
 from armside.sim.robot.recording import Recording, Truth

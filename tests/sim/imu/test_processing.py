@@ -20,10 +20,10 @@ from armside.sim.imu import (
     ProcessingCfg,
     Scheme,
     clock_offset,
-    compare,
     moving_rms,
     predict,
 )
+from armside.sim.imu import measured_beside_predicted as compare
 from armside.sim.imu.compensation import (
     GRAVITY,
     Calibration,
@@ -33,7 +33,7 @@ from armside.sim.imu.compensation import (
     to_base,
     to_imu,
 )
-from armside.sim.imu.prediction import difference_quotients, resample
+from armside.sim.imu.predicted_motion import difference_quotients, resample
 from armside.sim.instruments.encoder import quantise
 from armside.sim.instruments.imu import ImuCfg, draw
 

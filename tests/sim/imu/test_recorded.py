@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from armside.kinematics import CATALOGUE
-from armside.sim.imu.recorded import mounting, process, repeatability, scale
+from armside.sim.imu.chapter5_recorded import mounting, process, repeatability, scale
 from armside.sim.recordings import read_motion
 
 AUBO = Path(os.environ.get("ARMSIDE_MEASUREMENTS") or ".") / "aubo_i5"

@@ -8,8 +8,8 @@ import pytest
 
 from armside.sim.imu import ImuExperiment, RestExperiment, run_rest
 from armside.sim.imu.compensation import GRAVITY, calibrate
-from armside.sim.imu.evaluation import Evaluation, ImuRun, measure
-from armside.sim.imu.experiment import sense
+from armside.sim.imu.imu_experiment import sense
+from armside.sim.imu.phases import Evaluation, ImuRun, measure
 from armside.sim.imu.vibration import at_rest, power_spectrum
 from armside.sim.instruments.imu import ImuCfg, ImuSamples, draw
 from armside.sim.robot.virtual_robot import VirtualRobot
@@ -103,7 +103,7 @@ def evaluated():
 
 
 def test_measures_begin_where_the_synchronisation_ends(evaluated, monkeypatch):
-    from armside.sim.imu import evaluation as room
+    from armside.sim.imu import phases as room
 
     comparison, evaluation = evaluated
     monkeypatch.setattr(room, "largest_gap", lambda *_: 0.0)

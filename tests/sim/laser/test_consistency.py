@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from armside.sim.laser.consistency import directions
+from armside.sim.laser.estimate_consistency import directions
 
 
 def test_a_tool_is_scored_in_the_directions_in_which_it_moves():

@@ -13,8 +13,8 @@ from armside.sim.laser.part_cut import PartCut, sequence
 from armside.sim.motion import speed_profile
 from armside.sim.motion.tool_motion import joint_reference
 from armside.sim.part import plan as plan_module
+from armside.sim.part.arcs import arc, joined, line
 from armside.sim.part.beam_path import smooth
-from armside.sim.part.chain import arc, joined, line
 from armside.sim.part.drawing import Joined, Reading
 from armside.sim.part.part import part_of, read_part
 from armside.sim.part.plan import Cutting

@@ -12,7 +12,7 @@ from armside.sim.cell import CELLS, LARGE_CELL
 from armside.sim.evaluation.tool_error import tool_error
 from armside.sim.laser import Cut, Design, MotorAngles, Pass, Source, ToolPath, learn, prepare
 from armside.sim.laser.design import default_design
-from armside.sim.laser.learning import MEASURES, first_run, iterate, measure_of
+from armside.sim.laser.loop import MEASURES, first_run, iterate, measure_of
 from armside.sim.part.carried import carried, follows
 from armside.sim.records.files import InputError
 

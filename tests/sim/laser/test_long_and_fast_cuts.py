@@ -3,13 +3,13 @@
 import pytest
 from tests.claims._estimates import path_error, rigid_path
 
-from armside.scripts.cutting.learning import fail_unless_done
+from armside.scripts.cutting.cut_run import fail_unless_done
 from armside.scripts.shell.errors import RunFailed
 from armside.sim.estimation.commissioning import Commissioning
 from armside.sim.estimation.tool_law import ToolLaw
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, ToolPath, learn, prepare
-from armside.sim.laser.learning import first_run
+from armside.sim.laser.loop import first_run
 from armside.sim.laser.results import GROWTH, results
 from armside.sim.motion.contour import slot
 from armside.sim.motion.timing import PathLimits

@@ -8,10 +8,10 @@ import pytest
 from armside.ilc.measures.norms import two_norm
 from armside.sim.evaluation.contour_error import contour_errors
 from armside.sim.laser.experiment import prepare
-from armside.sim.laser.learning import iterate
+from armside.sim.laser.loop import iterate
 from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.part_cut import PartCut
-from armside.sim.part.chain import arc, line
+from armside.sim.part.arcs import arc, line
 from armside.sim.part.curve import ChainCurve, Kind, centred, is_circle
 from armside.sim.part.drawing import Joined
 from armside.sim.part.part import part_of

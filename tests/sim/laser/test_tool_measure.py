@@ -11,7 +11,7 @@ from armside.sim.estimation import estimator as validity
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, prepare
 from armside.sim.laser.experiment import Experiment, Iteration, Pass
-from armside.sim.laser.learning import iterate
+from armside.sim.laser.loop import iterate
 from armside.sim.laser.tool_measure import ToolPath
 from armside.sim.motion.contour import hexagon
 from armside.sim.notes import Cause

@@ -9,7 +9,7 @@ from armside import assets
 from armside.kinematics import Limits
 from armside.kinematics.dh import CoupledRange
 from armside.sim.imu import ImuExperiment, run_imu
-from armside.sim.imu.specification import RestExperiment
+from armside.sim.imu.imu_specification import RestExperiment
 from armside.sim.motion.about_home import (
     MOTIONS,
     OF_TORQUE,

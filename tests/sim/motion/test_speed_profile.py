@@ -11,7 +11,7 @@ from armside.sim.motion.profile_program import LimitRows, Programme, largest, st
 from armside.sim.motion.speed_profile import Bends, _first_grid, profiles
 from armside.sim.motion.timing import PathLimits, rest_to_rest
 from armside.sim.part import plan as plan_module
-from armside.sim.part.chain import line
+from armside.sim.part.arcs import line
 from armside.sim.part.drawing import Joined
 from armside.sim.part.part import part_of
 

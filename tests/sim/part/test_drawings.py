@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from ezdxf import units
 
-from armside.sim.part.chain import Chain
+from armside.sim.part.arcs import Chain
 from armside.sim.part.curve import Kind
 from armside.sim.part.drawing import Reading, Unit
 from armside.sim.part.part import read_part

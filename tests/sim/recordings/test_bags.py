@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from armside.sim.recordings import BagTopics, MotionRecording, Stream, read_motion
-from armside.sim.recordings.bags.read import joint_order
+from armside.sim.recordings.bags.bag import joint_order
 from armside.sim.recordings.bags.write import write_bag
 
 TIME = np.arange(0.0, 3.0, 0.02)

@@ -10,7 +10,7 @@ import pytest
 from armside.kinematics import CATALOGUE, LARGE_ROBOT, compile
 from armside.sim.recordings import Stream
 from armside.sim.recordings.paths import compare_logs, path_scatter, timing_errors, waypoint_path
-from armside.sim.recordings.paths.comparison import perfect_scatter
+from armside.sim.recordings.paths.beside_virtual import perfect_scatter
 from armside.sim.recordings.paths.waypoint_path import MotorLog, PathLogs, read_path_logs
 
 SETS = Path(os.environ.get("ARMSIDE_MEASUREMENTS") or ".") / "irb6640_logs"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from armside.sim.recordings import read_motion
-from armside.sim.recordings.recording import repaired
+from armside.sim.recordings.recorded_motion import repaired
 
 TIME = np.arange(0.0, 20.0, 0.01)
 PHI = np.column_stack([np.sin(0.5 * TIME), np.cos(0.3 * TIME)])

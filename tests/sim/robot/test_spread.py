@@ -10,7 +10,7 @@ from scipy.linalg import eigh
 
 from armside import assets
 from armside.sim.laser import Cut, prepare
-from armside.sim.laser.learning import first_run
+from armside.sim.laser.loop import first_run
 from armside.sim.robot.effects import available
 from armside.sim.robot.individual import (
     HiddenHinge,

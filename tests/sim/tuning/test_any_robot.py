@@ -9,9 +9,9 @@ from armside import assets
 from armside.sim.motion.contour import RADII
 from armside.sim.robot_file.find import read_cell
 from armside.sim.tuning.action import VARIABLES, Motors, action_of, design_of
-from armside.sim.tuning.evaluation import always, run_episode
+from armside.sim.tuning.episode_task import OPTIONS, Shapes, candidates, draw, movable, shapes_of
+from armside.sim.tuning.policies import always, run_episode
 from armside.sim.tuning.rules import Rules
-from armside.sim.tuning.task import OPTIONS, Shapes, candidates, draw, movable, shapes_of
 
 ID = "armside/IlcTuning-v0"
 TWO_LINK = assets.LARGE_ROBOT_XML.with_name("two_link.toml")

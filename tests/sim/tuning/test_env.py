@@ -16,10 +16,10 @@ from gymnasium.utils.env_checker import check_env
 from armside.sim import tuning
 from armside.sim.laser.design import THESIS
 from armside.sim.tuning.action import Motors, action_of
-from armside.sim.tuning.evaluation import always, run_episode
+from armside.sim.tuning.episode_task import OPTIONS, TEST_SEEDS
 from armside.sim.tuning.picture import LARGEST_SHOWN, MAGNIFICATIONS, magnification
+from armside.sim.tuning.policies import always, run_episode
 from armside.sim.tuning.rules import WORST_REWARD, EnvCfg, Rules
-from armside.sim.tuning.task import OPTIONS, TEST_SEEDS
 
 ID = "armside/IlcTuning-v0"
 ACTION = action_of(THESIS, Motors.SHARED)

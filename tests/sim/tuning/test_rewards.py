@@ -6,10 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from armside.sim.tuning import situation, task
+from armside.sim.tuning import episode_task as task
+from armside.sim.tuning import situation
 from armside.sim.tuning.action import VARIABLES, Scale
+from armside.sim.tuning.episode_task import PAYLOADS, POSE_SPREAD, SPEEDS, TEST_SEEDS
 from armside.sim.tuning.rules import WORST_REWARD, Rules
-from armside.sim.tuning.task import PAYLOADS, POSE_SPREAD, SPEEDS, TEST_SEEDS
 
 
 @pytest.fixture(scope="module")

@@ -9,9 +9,9 @@ from armside.sim.robot.individual import Individual, with_payload
 from armside.sim.robot.model import load_model
 from armside.sim.robot.spread import Drawn
 from armside.sim.robot.statics import Statics
-from armside.sim.tuning import task
+from armside.sim.tuning import episode_task as task
+from armside.sim.tuning.episode_task import PAYLOADS, POSE_SPREAD, SPEEDS, draw
 from armside.sim.tuning.rules import Rules
-from armside.sim.tuning.task import PAYLOADS, POSE_SPREAD, SPEEDS, draw
 
 
 def _drawn(robot="large", n=200, **options):

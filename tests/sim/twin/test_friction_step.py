@@ -5,7 +5,7 @@ import pytest
 
 from armside.assets import LARGE_ROBOT_XML
 from armside.sim.robot.model import load_model
-from armside.sim.twin.learning import friction_constants, lugre
+from armside.sim.twin.correction import friction_constants, lugre
 
 STEP = 5e-4
 

@@ -10,8 +10,8 @@ from armside.sim.laser import Cut, prepare
 from armside.sim.motion.contour import square
 from armside.sim.robot.effects import gear_phases
 from armside.sim.robot.individual import Individual
+from armside.sim.twin.correction import TwinLearning, learn_in_twin
 from armside.sim.twin.identification import parameters_of
-from armside.sim.twin.learning import TwinLearning, learn_in_twin
 from armside.sim.twin.simulation import design_of
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, prepare
-from armside.sim.laser.learning import first_run
+from armside.sim.laser.loop import first_run
 from armside.sim.notes import Cause
 from armside.sim.records.files import InputError
 from armside.sim.records.signals import RecordedRun, write_signals

@@ -12,8 +12,8 @@ from armside.sim.laser import Cut, prepare
 from armside.sim.laser.experiment import true_tool_error
 from armside.sim.motion.contour import slot, square
 from armside.sim.twin.commission import MOST, check, plan
+from armside.sim.twin.correction import learn_in_twin
 from armside.sim.twin.first_cut import refreshed
-from armside.sim.twin.learning import learn_in_twin
 from armside.sim.twin.recordings import ImplausibleError, MeasuredCut, measured
 from armside.sim.twin.tool_sensor import TRACKER
 from armside.sim.twin.twin import FORMAT, Twin, TwinError, stored_twin

@@ -14,7 +14,7 @@ from armside.kinematics.calibration import Measurements
 from armside.kinematics.rotation import from_quaternion
 
 from ...records.files import InputError
-from ..recording import MotionRecording, PoseRecording, Stream, repaired
+from ..recorded_motion import MotionRecording, PoseRecording, Stream, repaired
 from .messages import BILLION, Joints, Sample, read_messages
 from .topics import FRAME, BagTopics
 

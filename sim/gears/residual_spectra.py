@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array
 
-from ..recordings.alignment.imu import GRAVITY
+from ..recordings.alignment.imu_alignment import GRAVITY
 
 Spectrum = NDArray[Any]
 """Complex, frequency first."""

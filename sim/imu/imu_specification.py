@@ -18,7 +18,7 @@ from ..robot.flexibility import Flexibility, variant, without
 from ..robot.kinematics_check import cell_model
 from ..robot.model import RobotModel
 from ..robot_file.find import find_cell
-from .prediction import ProcessingCfg
+from .predicted_motion import ProcessingCfg
 
 Motion = Literal["simultaneous", "sequential"]
 SHORTEST_REST = 3.0  # Record that a power spectrum needs [s]

@@ -20,8 +20,8 @@ from ..records.signals import RecordedRun
 from ..replay.blueprint import LEGEND, panels
 from ..replay.entities import BLUE, FRAME_PERIOD, GREY, ORANGE, send_bodies, shapes
 from ..replay.scene import recording
-from .evaluation import Evaluation
-from .experiment import ImuResult
+from .imu_experiment import ImuResult
+from .phases import Evaluation
 
 XYZ = "xyz"
 

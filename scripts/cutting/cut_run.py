@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from armside.sim.laser.experiment import Experiment, Iteration, prepare
-from armside.sim.laser.learning import Start, iterate
+from armside.sim.laser.loop import Start, iterate
 from armside.sim.laser.measures import Measure
 from armside.sim.laser.results import iteration_row, results
 from armside.sim.laser.specification import Setup

@@ -18,9 +18,9 @@ from ..motion.instructions import Program, Wait
 from ..motion.planner import ProgramMotion
 from ..robot.linkage import checked_loop_error
 from ..robot.recording import Recording
-from .compare import ImuComparison, compare, moving_rms
 from .compensation import GRAVITY
-from .prediction import ProcessingCfg
+from .measured_beside_predicted import ImuComparison, compare, moving_rms
+from .predicted_motion import ProcessingCfg
 
 SYNCHRONISATION_PAUSE = 1.0
 """Shortest wait between synchronisation and experiment [s]. Thesis 5.3.2 has a short pause."""

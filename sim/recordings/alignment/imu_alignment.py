@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array
 
-from ..recording import Stream
+from ..recorded_motion import Stream
 from .checks import check_pair, check_readings, check_sensor
 from .encoder_motion import RATE, EncoderMotion, coarse_lag, lowpass
 

@@ -10,7 +10,7 @@ import numpy as np
 from armside.arrays import Array
 
 from .fit import Normal, chosen, fit, normal, softened
-from .observation import Observation
+from .residual_spectra import Observation
 from .scan import COARSE, Candidate, Scan, grids, peaks, refined, scan
 from .transmission import Transmission
 

@@ -8,9 +8,9 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.analysis.criterion import frequency_grid, hertz, shift_response
 from armside.ilc.filters import ZeroPhaseButterworth
-from armside.ilc.identification import first_order
+from armside.ilc.identification import first_order_lag as first_order
 from armside.ilc.identification.arx import ArxFit, fit_arx
-from armside.ilc.identification.first_order import FirstOrderModel, fit_of
+from armside.ilc.identification.first_order_lag import FirstOrderModel, fit_of
 from armside.ilc.laws import Heuristic
 from armside.ilc.models.system import System
 from armside.sim.evaluation.check import Table

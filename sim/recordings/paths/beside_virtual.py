@@ -13,7 +13,7 @@ from ...cell import CELLS
 from ...motion.timing import PathLimits, rest_to_rest
 from ...robot.kinematics_check import cell_model
 from ...robot.virtual_robot import LOG_PERIOD, VirtualRobot
-from ..recording import Stream
+from ..recorded_motion import Stream
 from .waypoint_path import PathLogs, PathScatter, WaypointPath, path_scatter, waypoint_path
 
 HALF = 10

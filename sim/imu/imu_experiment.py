@@ -15,8 +15,9 @@ from ..robot.flexibility import Flexibility
 from ..robot.recording import Recording, saturation
 from ..robot.run import LoadedReference
 from ..robot.virtual_robot import LOG_PERIOD, VirtualRobot
-from .compare import find_offset
-from .evaluation import (
+from .imu_specification import ImuExperiment
+from .measured_beside_predicted import find_offset
+from .phases import (
     RECTANGLE,
     SLOW_CIRCLE,
     Evaluation,
@@ -28,8 +29,7 @@ from .evaluation import (
     synchronised_at,
     under_way,
 )
-from .prediction import Compensation, Order, ProcessingCfg, Scheme
-from .specification import ImuExperiment
+from .predicted_motion import Compensation, Order, ProcessingCfg, Scheme
 
 
 @dataclass(frozen=True)

@@ -17,11 +17,11 @@ from armside.kinematics import Arm, compile
 
 from ..recordings.alignment.checks import check_motors
 from ..recordings.alignment.encoder_motion import RATE, EncoderMotion, encoder_motion, lowpass
-from ..recordings.alignment.imu import ImuAlignment, align_imu
+from ..recordings.alignment.imu_alignment import ImuAlignment, align_imu
 from ..recordings.alignment.tracker import TrackerAlignment, align_tracker
-from ..recordings.recording import MotionRecording, Stream, check_angles, check_times
-from .compare import ImuComparison, moving_rms
-from .evaluation import WINDOW, rms
+from ..recordings.recorded_motion import MotionRecording, Stream, check_angles, check_times
+from .measured_beside_predicted import ImuComparison, moving_rms
+from .phases import WINDOW, rms
 
 FITTED = 0.5
 """Fraction of a recording, from its start, that is fitted before the rest is judged."""

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from armside.arrays import Array
 
 from ...records.files import LARGEST_DATA, InputError, check_file, reading
-from .tables import Diadem, TextTable, read_diadem, read_text
+from .columns import Diadem, TextTable, read_diadem, read_text
 
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
 """[s] of each unit of time."""

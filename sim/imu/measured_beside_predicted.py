@@ -14,7 +14,7 @@ from ..instruments.imu import ImuSamples
 from ..instruments.noise import rate_of
 from . import compensation
 from .compensation import cross_matrices
-from .prediction import (
+from .predicted_motion import (
     Compensation,
     Order,
     PredictedMotion,
