@@ -9,7 +9,18 @@ import pytest
 from armside.scripts.cli import COMMANDS
 
 EXTRAS = (
-    *("shapely", "ezdxf", "svgelements", "optuna", "cmaes", "control", "h5py", "mcap", "psycopg"),
+    *(
+        "shapely",
+        "ezdxf",
+        "svgelements",
+        "cssselect2",
+        "optuna",
+        "cmaes",
+        "control",
+        "h5py",
+        "mcap",
+        "psycopg",
+    ),
     *(
         "ray",
         "stable_baselines3",
