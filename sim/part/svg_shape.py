@@ -162,6 +162,8 @@ def _path(d: str) -> Any:
     rest = re.sub(NUMBER, " ", d).strip()
     if rest and (rest[0] not in "Mm" or re.search(r"[^\s,MmZzLlHhVvCcSsQqTtAa]", rest)):
         raise ValueError(f"its d is {_short(d)}, which is no path")
+    # A smooth curve goes on from one of its own kind alone; svgelements lets it from any.
+    d = re.sub(r"([QqTt][-+.,\d\seE]*)(?=[Ss])|([CcSs][-+.,\d\seE]*)(?=[Tt])", r"\1\2l0 0", d)
     try:
         return svgelements.Path(d)
     except (ValueError, IndexError, TypeError) as error:

@@ -100,7 +100,7 @@ class Generator:
 
     def paint(self, name: str, *owners: str, stroked: bool = False) -> str:
         """Attributes that style an element in up to three ways, the winner by the cascade."""
-        ways = self.rng.permutation(["attribute", "style", "class", "id", "tag"])
+        ways = self.rng.permutation(["attribute", "style", "class", "id", "classes"])
         stated, attributes = "", ""
         for way in ways[: self.rng.integers(1, 4)]:
             shade = self.colour(*owners)
@@ -125,8 +125,8 @@ class Generator:
             body = "; ".join(f"{key}:{value}{loud}" for key, value in pairs)
             if way == "style":
                 stated = f' style="{body}"'
-            elif way == "tag":  # of this element alone, whatever its tag
-                self.rules.append(f"*[id={name}] {{{body}}}")
+            elif way == "classes":  # not [id=...], which resvg takes to be as narrow as #...
+                self.rules.append(f".x.k{name} {{{body}}}")
             else:
                 self.rules.append(f"{'.k' if way == 'class' else '#'}{name} {{ {body} }}")
         return f'{attributes} class="x k{name}"{stated}'

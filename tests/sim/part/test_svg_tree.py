@@ -76,6 +76,10 @@ PLACED = {
         f'<switch><foreignObject requiredExtensions="x"/>{DOT}<circle r="9"/></switch>',
         [around(30, 30, 5)],
     ),
+    "a smooth curve after one of another kind starts straight": (
+        '<path d="M10 10Q20 0 30 10S30 20 20 20z"/>',
+        [(10, 5, 30, 20)],
+    ),
     "an arc without radius is a line": (
         '<path d="M10 10H20A0 5 0 0 0 20 20H10z"/>',
         [around(15, 15, 5)],
