@@ -7,7 +7,8 @@ from typing import Any
 
 import ezdxf
 import numpy as np
-from ezdxf import units
+from ezdxf import transform, units
+from ezdxf.math import Matrix44
 
 from armside.arrays import Array
 
@@ -226,11 +227,17 @@ def _contents(document: Any, name: str) -> Iterator[tuple[int, str]]:
 
 
 def _entities(
-    document: Any, container: Any, layer: str = "", name: str = "", gone: str = ""
+    document: Any,
+    container: Any,
+    layer: str = "",
+    name: str = "",
+    gone: str = "",
+    matrix: Matrix44 | None = None,
 ) -> Iterator[tuple[Any, str, str, str]]:
     """Entities, their layers, names and what hides them, blocks taken apart.
 
-    Layer 0 of a block is its insert's. gone: what hides all in the container.
+    Layer 0 of a block is its insert's. gone: what hides all in the container. matrix: from it to
+    the world, whole: inserts that ezdxf transforms by themselves cannot be skewed.
     """
     for entity in container:
         own = _layer_of(entity)
@@ -240,15 +247,21 @@ def _entities(
         if entity.dxf.is_supported("invisible") and entity.dxf.get("invisible", 0):
             hidden = INVISIBLE
         if entity.dxftype() != "INSERT":
-            yield entity, effective, label, hidden
+            moves = None if hidden else matrix
+            for each in _moved(entity, moves, f"{label} on layer {effective}"):
+                kind = f"{each.dxftype()}{name}" if name else label
+                yield each, effective, kind, hidden
             continue
         if not hidden and not _shown(document, effective, "is_frozen"):
             hidden = f"layer {effective} is not cut"
         within = name or f" of INSERT #{entity.dxf.handle}"
-        yield from ((a, a.dxf.layer, f"ATTRIB{within}", hidden) for a in entity.attribs)
+        for a in entity.attribs:
+            its = effective if a.dxf.layer == _LAYER_0 else a.dxf.layer
+            yield a, its, f"ATTRIB{within}", hidden
         for each in entity.multi_insert() if entity.mcount > 1 else [entity]:
-            parts = _parts(each, effective, within)
-            yield from _entities(document, parts, effective, within, hidden)
+            parts, own = _parts(each, effective, within), each.matrix44()
+            whole = own if matrix is None else own * matrix
+            yield from _entities(document, parts, effective, within, hidden, whole)
 
 
 def _layer_of(entity: Any) -> str:
@@ -270,15 +283,21 @@ def _parts(insert: Any, layer: str, within: str) -> list[Any]:
     except NotFlatError as error:
         what = "is not drawn in the x-y plane"
         raise ValueError(f"block {insert.dxf.name!r}{within} on layer {layer} {what}") from error
-    skipped: list[str] = []
-    parts = list(
-        insert.virtual_entities(
-            skipped_entity_callback=lambda entity, _: skipped.append(entity.dxftype())
-        )
-    )
-    if skipped:
-        raise ValueError(f"{skipped[0]}{within} on layer {layer} cannot be cut; remove it")
-    return parts
+    return list(block)
+
+
+def _moved(entity: Any, matrix: Matrix44 | None, label: str) -> list[Any]:
+    """Copies of an entity in the world; itself where it cannot be cut."""
+    if matrix is None or entity.dxftype() not in READERS:
+        return [entity]
+    try:
+        _check_normal(entity)
+    except NotFlatError as error:
+        raise ValueError(f"{label} is not drawn in the x-y plane") from error
+    log, copies = transform.copies([entity], matrix)
+    if not copies or len(log):
+        raise ValueError(f"{label} cannot be moved with its block; take the block apart")
+    return copies
 
 
 def _shown(document: Any, layer: str, *hidden_if: str) -> bool:

@@ -168,7 +168,7 @@ class Generator:
             own = layer if layer and item.layer == "0" else item.layer
             hidden = gone or item.invisible
             if item.block:
-                if item.kind == "ATTRIB" and not hidden and own != "COLD":
+                if item.kind == "ATTRIB" and not hidden and own not in ("OFF", "COLD"):
                     self.made.refused.add("ATTRIB")
                 hidden = hidden or own == "COLD"
                 for each in item.matrices:
