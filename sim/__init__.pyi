@@ -10,8 +10,8 @@ from .gears.analysis import GearsCfg as GearsCfg
 from .gears.analysis import analyse_gears as analyse_gears
 from .imu.imu_experiment import reprocessed as reprocessed
 from .imu.imu_experiment import run_imu as run_imu
-from .imu.predicted_motion import ProcessingCfg as ProcessingCfg
 from .imu.imu_specification import ImuExperiment as ImuExperiment
+from .imu.predicted_motion import ProcessingCfg as ProcessingCfg
 from .laser.design import Design as Design
 from .laser.design_from_data import design_from_data as design_from_data
 from .laser.experiment import Experiment as Experiment

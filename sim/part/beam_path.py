@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from armside.arrays import Array
 
@@ -22,6 +23,8 @@ ROUNDING = 1e-7
 """Relative length by which a width of exactly the beam still passes."""
 RADIUS = 2.0 * MM
 """Radius of a lead where there is room [m]. ESTIMATE"""
+NEAR = 3e-6
+"""Overlap of a beam and a contour that their polygons may show by themselves [m]."""
 SMALLEST = 0.05 * MM
 """Radius of a lead below which there is none [m]."""
 
@@ -130,11 +133,14 @@ class Led:
     """Length of each lead [m]."""
 
 
-def led(path: Chain, inwards: bool, obstacles: "shapely.STRtree | None" = None) -> Led:
+def led(
+    path: Chain, inwards: bool, half: float, others: "shapely.STRtree | None" = None, own: int = -1
+) -> Led:
     """Leads at the middle of the longest element, in the scrap.
 
-    inwards: the scrap is inside. obstacles: contours that the leads must not touch. A lead is
-    shortened until it fits; where none fits there is none.
+    inwards: the scrap is inside. others: contours that a beam of half width `half` [m] must not
+    touch on the leads, but for that of index `own`. A lead is shortened until it fits; where none
+    fits there is none.
     """
     longest = int(np.argmax(path.lengths))
     turned = rotated(path, float(path.ends[longest] + 0.5 * path.lengths[longest]))
@@ -142,7 +148,10 @@ def led(path: Chain, inwards: bool, obstacles: "shapely.STRtree | None" = None) 
     radius = RADIUS
     while radius > SMALLEST:
         entry, leave = _quarters(turned, radius, inwards)
-        if _fits([entry, leave], ring, inwards, obstacles):
+        lines = [shapely.LineString(lead.polygon()) for lead in (entry, leave)]
+        if _in_scrap([entry, leave], lines, ring, inwards) and (
+            others is None or not (meets(lines, half, others)[1] != own).any()
+        ):
             return Led(joined([entry, turned, leave]), entry.length)
         radius *= 0.7
     return Led(turned, 0.0)
@@ -160,16 +169,19 @@ def _quarters(path: Chain, radius: float, inwards: bool) -> tuple[Chain, Chain]:
     return Chain(ends[0], entry.bulge), Chain(ends[1], leave.bulge)
 
 
-def _fits(
-    leads: list[Chain], ring: "shapely.Polygon", inwards: bool, obstacles: "shapely.STRtree | None"
+def _in_scrap(
+    leads: list[Chain], lines: list["shapely.LineString"], ring: "shapely.Polygon", inwards: bool
 ) -> bool:
-    lines = [shapely.LineString(lead.polygon()) for lead in leads]
     # Where they touch the path they are tangent to it, on polygons within their sagitta.
     free = [
         line.difference(shapely.Point(lead.points[k]).buffer(0.3 * lead.length))
         for line, lead, k in zip(lines, leads, (-1, 0), strict=True)
     ]
-    inside = [ring.contains(line) if inwards else ring.disjoint(line) for line in free]
-    if not all(inside):
-        return False
-    return obstacles is None or not len(obstacles.query(lines, predicate="intersects")[0])
+    return all(ring.contains(line) if inwards else ring.disjoint(line) for line in free)
+
+
+def meets(
+    lines: list["shapely.LineString"], half: float, contours: "shapely.STRtree"
+) -> NDArray[np.int64]:
+    """(2, N), which line of the beam's centre comes nearer than `half` [m] to which contour."""
+    return contours.query(lines, predicate="dwithin", distance=half - NEAR)

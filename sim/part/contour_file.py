@@ -134,9 +134,9 @@ def _from_drawing(file: Path, corner: float) -> ClosedCurve:
             if document.header.get("$MEASUREMENT", 1) == 0:
                 raise ValueError("it is imperial and has no unit; set its unit ($INSUNITS)")
         drawing = drawing_of(document, Reading(unit=unit))
-        if left := [note for note in drawing.notes if note.startswith("layer")]:
+        if left := [note for note in drawing.notes if "paper space" not in note]:
             raise ValueError(f"it has more than its contour: {'; '.join(left)}")
-        found = join(drawing.entities, JOIN)
+        found, _ = join(drawing.entities, JOIN)
         if len(found) != 1 or not found[0].chain.closed:
             kinds = [f"{'closed' if c.chain.closed else 'open'} {c.name}" for c in found]
             raise ValueError(f"a contour is one closed line, it has {', '.join(kinds) or 'none'}")

@@ -16,6 +16,8 @@ JOIN = 0.05 * MM
 """Largest distance between ends that are joined [m]."""
 NEAR = 1.0 * MM
 """Gap up to which two ends that are not joined were meant to meet [m]."""
+SEEN = 1e-6
+"""Gap above which its closing is noted [m]; below it is rounding."""
 SHORTEST = 1e-6
 """Length from which an entity is not zero [m]."""
 
@@ -104,8 +106,10 @@ class Joined:
         return self.names[0] + (f" and {more} more" if more else "")
 
 
-def join(entities: tuple[DrawnEntity, ...], tolerance: float) -> list[Joined]:
-    """Chains of entities whose ends are at most `tolerance` [m] apart.
+def join(
+    entities: tuple[DrawnEntity, ...], tolerance: float
+) -> tuple[list[Joined], tuple[str, ...]]:
+    """Chains of entities whose ends are at most `tolerance` [m] apart, and notes of the gaps.
 
     Raises ValueError for an entity of zero length, for more than two ends in one place, and for an
     end that misses another by less than a millimetre: each with its place.
@@ -116,12 +120,24 @@ def join(entities: tuple[DrawnEntity, ...], tolerance: float) -> list[Joined]:
     found = [Joined(e.chain, (e.name,), e.layer) for e in entities if e.chain.closed]
     loose = [e for e in entities if not e.chain.closed]
     if not loose:
-        return found
+        return found, ()
     ends = np.array([point for e in loose for point in (e.chain.points[0], e.chain.points[-1])])
     mate = _mates(ends, loose, tolerance)
     walks = _walks(mate)
     found += [_joined(walk, closed, loose, ends, mate) for walk, closed in walks]
-    return found
+    return found, _gaps(ends, loose, mate)
+
+
+def _gaps(ends: Array, loose: list[DrawnEntity], mate: list[int]) -> tuple[str, ...]:
+    """Notes of the ends that are moved together, the widest gap first."""
+    pairs = [(i, j) for i, j in enumerate(mate) if i < j]
+    wide = sorted((-float(np.linalg.norm(ends[i] - ends[j])), i, j) for i, j in pairs)
+    return tuple(
+        f"a gap of {-gap / MM:.3g} mm at {place(ends[i])} is closed, between "
+        f"{loose[i // 2].name} and {loose[j // 2].name}"
+        for gap, i, j in wide
+        if -gap > SEEN
+    )
 
 
 def _mates(ends: Array, loose: list[DrawnEntity], tolerance: float) -> list[int]:

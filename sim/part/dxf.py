@@ -7,17 +7,22 @@ from typing import Any
 
 import ezdxf
 import numpy as np
-from ezdxf import units
+from ezdxf import transform, units
+from ezdxf.math import Matrix44
 
 from armside.arrays import Array
 
 from .arcs import Chain, arc, fitted, line, place, polyline
 from .drawing import Drawing, DrawnEntity, Reading, Unit
+from .expansion import check_expansion, check_points
 
 FLAT = 1e-6
 """Largest difference of height within an entity, and of a normal from +-z, relative to 1."""
+LINES = 2_000_000
+"""Most lines of a file, two for each value: those of 100000 entities."""
 IMPERIAL = (units.IN, units.FT, units.YD, units.MI)
-_LAYER_0 = "0"
+_LAYER_0, MODEL = "0", "*Model_Space"
+INVISIBLE = "what is invisible is not cut"
 
 
 class NotFlatError(ValueError):
@@ -100,6 +105,7 @@ def _polyline_of(entity: Any, vertices: Array, closed: bool, scale: float) -> Ch
         at = f" at {place(scale * vertices[0, :2])}" if len(vertices) else ": it has no vertex"
         raise ValueError(f"it has zero length{at}")
     bulge = vertices[:-1, 2][step > 0.0]
+    check_points(len(vertices))
     chain = polyline(scale * vertices[present, :2], bulge)
     return _seen_from_above(entity, chain)
 
@@ -110,6 +116,11 @@ def _seen_from_above(entity: Any, chain: Chain) -> Chain:
     if abs(x) + abs(y) > FLAT * abs(z):
         raise NotFlatError
     return chain if z > 0.0 else Chain(chain.points * [-1.0, 1.0], -chain.bulge)
+
+
+def _check_normal(entity: Any) -> None:
+    if entity.dxf.is_supported("extrusion") and not np.any(entity.dxf.get("extrusion", 1.0)):
+        raise NotFlatError
 
 
 def _level(heights: list[float]) -> None:
@@ -153,6 +164,8 @@ def read_dxf(file: Path, reading: Reading) -> Drawing:
 
 def opened(file: Path) -> Any:
     """Document of ezdxf. Raises as `read_dxf`."""
+    if (lines := file.read_bytes().count(b"\n")) > LINES:
+        raise ValueError(f"it has {lines} lines, more than {LINES}")
     try:
         return ezdxf.readfile(file)  # pyright: ignore[reportPrivateImportUsage]
     except OSError as error:
@@ -167,16 +180,16 @@ def drawing_of(document: Any, reading: Reading) -> Drawing:
     """As `read_dxf`, of a document of ezdxf."""
     scale = _metres(document, reading.unit)
     reading.check_layers([layer.dxf.name for layer in document.layers])
+    check_expansion(MODEL, lambda name: _contents(document, name), "block {!r}".format)
     left_out: Counter[str] = Counter()
     found: list[DrawnEntity] = []
-    for entity, layer, name in _entities(document.modelspace()):
-        if not reading.chooses(layer, _visible(document, entity, layer)):
-            left_out[layer] += 1
-            continue
-        found.append(_read(entity, layer, name, scale))
+    for entity, layer, name, gone in _entities(document, document.modelspace()):
+        if gone == INVISIBLE or not reading.chooses(layer, not gone and _shown(document, layer)):
+            left_out[gone or f"layer {layer} is not cut"] += 1
+        else:
+            found.append(_read(entity, layer, name, scale))
     notes = [
-        f"layer {layer} is not cut: {n} {'entity' if n == 1 else 'entities'}"
-        for layer, n in sorted(left_out.items())
+        f"{what}: {n} {'entity' if n == 1 else 'entities'}" for what, n in sorted(left_out.items())
     ]
     if n := sum(e.dxftype() != "VIEWPORT" for view in document.layouts for e in _of_paper(view)):
         notes.append(f"{n} entities of paper space are not cut")
@@ -193,6 +206,7 @@ def _read(entity: Any, layer: str, name: str, scale: float) -> DrawnEntity:
     if reader is None:
         raise ValueError(f"{label} cannot be cut; choose the layers to cut, or remove it")
     try:
+        _check_normal(entity)
         chain = reader(entity, scale)
     except NotFlatError as error:
         raise ValueError(f"{label} is not drawn in the x-y plane") from error
@@ -203,19 +217,51 @@ def _read(entity: Any, layer: str, name: str, scale: float) -> DrawnEntity:
     return DrawnEntity(chain, name, layer)
 
 
-def _entities(container: Any, layer: str = "", name: str = "") -> Iterator[tuple[Any, str, str]]:
-    """Entities, their layers and names, blocks taken apart. Layer 0 of a block is its insert's."""
+def _contents(document: Any, name: str) -> Iterator[tuple[int, str]]:
+    """Blocks in a block, with their numbers; entities as blocks of no name."""
+    entities = list(document.blocks.get(name, ()))
+    inserts = [entity for entity in entities if entity.dxftype() == "INSERT"]
+    yield from ((insert.mcount, insert.dxf.name.lower()) for insert in inserts)
+    if more := len(entities) - len(inserts):
+        yield more, ""
+
+
+def _entities(
+    document: Any,
+    container: Any,
+    layer: str = "",
+    name: str = "",
+    gone: str = "",
+    matrix: Matrix44 | None = None,
+) -> Iterator[tuple[Any, str, str, str]]:
+    """Entities, their layers, names and what hides them, blocks taken apart.
+
+    Layer 0 of a block is its insert's. gone: what hides all in the container. matrix: from it to
+    the world, whole: inserts that ezdxf transforms by themselves cannot be skewed.
+    """
     for entity in container:
         own = _layer_of(entity)
         effective = layer if layer and own == _LAYER_0 else own
         label = f"{entity.dxftype()}{name or f' #{entity.dxf.handle}'}"
+        hidden = gone
+        if entity.dxf.is_supported("invisible") and entity.dxf.get("invisible", 0):
+            hidden = INVISIBLE
         if entity.dxftype() != "INSERT":
-            yield entity, effective, label
+            moves = None if hidden else matrix
+            for each in _moved(entity, moves, f"{label} on layer {effective}"):
+                kind = f"{each.dxftype()}{name}" if name else label
+                yield each, effective, kind, hidden
             continue
+        if not hidden and not _shown(document, effective, "is_frozen"):
+            hidden = f"layer {effective} is not cut"
         within = name or f" of INSERT #{entity.dxf.handle}"
-        yield from ((a, a.dxf.layer, f"ATTRIB{within}") for a in entity.attribs)
+        for a in entity.attribs:
+            its = effective if a.dxf.layer == _LAYER_0 else a.dxf.layer
+            yield a, its, f"ATTRIB{within}", hidden
         for each in entity.multi_insert() if entity.mcount > 1 else [entity]:
-            yield from _entities(_parts(each, effective, within), effective, within)
+            parts, own = _parts(each, effective, within), each.matrix44()
+            whole = own if matrix is None else own * matrix
+            yield from _entities(document, parts, effective, within, hidden, whole)
 
 
 def _layer_of(entity: Any) -> str:
@@ -232,25 +278,34 @@ def _parts(insert: Any, layer: str, within: str) -> list[Any]:
     if block is None or block.block.is_xref:
         what = "is not in the file" if block is None else "is another file (XREF)"
         raise ValueError(f"block {insert.dxf.name!r}{within} on layer {layer} {what}")
-    skipped: list[str] = []
-    parts = list(
-        insert.virtual_entities(
-            skipped_entity_callback=lambda entity, _: skipped.append(entity.dxftype())
-        )
-    )
-    if skipped:
-        raise ValueError(f"{skipped[0]}{within} on layer {layer} cannot be cut; remove it")
-    return parts
+    try:
+        _check_normal(insert)
+    except NotFlatError as error:
+        what = "is not drawn in the x-y plane"
+        raise ValueError(f"block {insert.dxf.name!r}{within} on layer {layer} {what}") from error
+    return list(block)
 
 
-def _visible(document: Any, entity: Any, layer: str) -> bool:
-    known = entity.dxf.is_supported("invisible")
-    if known and entity.dxf.get("invisible", 0):
-        return False
+def _moved(entity: Any, matrix: Matrix44 | None, label: str) -> list[Any]:
+    """Copies of an entity in the world; itself where it cannot be cut."""
+    if matrix is None or entity.dxftype() not in READERS:
+        return [entity]
+    try:
+        _check_normal(entity)
+    except NotFlatError as error:
+        raise ValueError(f"{label} is not drawn in the x-y plane") from error
+    log, copies = transform.copies([entity], matrix)
+    if not copies or len(log):
+        raise ValueError(f"{label} cannot be moved with its block; take the block apart")
+    return copies
+
+
+def _shown(document: Any, layer: str, *hidden_if: str) -> bool:
+    """Whether a layer is neither off nor frozen, or not what is asked."""
     if layer not in document.layers:
         return True
     found = document.layers.get(layer)
-    return not (found.is_off() or found.is_frozen())
+    return not any(getattr(found, ask)() for ask in hidden_if or ("is_off", "is_frozen"))
 
 
 def _metres(document: Any, chosen: Unit | None) -> float:
@@ -260,7 +315,10 @@ def _metres(document: Any, chosen: Unit | None) -> float:
     own, system = document.units, document.header.get("$MEASUREMENT", None)
     if not own:
         raise ValueError("its unit is not stated ($INSUNITS): say --units mm or --units inch")
-    scale = units.conversion_factor(own, units.M)  # pyright: ignore[reportArgumentType]
+    try:
+        scale = units.conversion_factor(own, units.M)  # pyright: ignore[reportArgumentType]
+    except (TypeError, ValueError, LookupError):
+        raise ValueError(f"its unit is in doubt: $INSUNITS is {own}; say --units mm") from None
     stated = units.unit_name(own)
     if own in (units.MM, units.IN) and system is not None and (own in IMPERIAL) == bool(system):
         other = "metric" if system else "imperial"

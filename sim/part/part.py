@@ -20,6 +20,8 @@ from .geometry import shapely
 
 SAGITTA = 2e-6
 """Of the polygons that contours are compared by [m]."""
+TWICE = 5e-6
+"""Distance up to which two contours are taken for one that is drawn twice [m]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,9 +125,14 @@ def _own_crossing(drawn: Any) -> str:
 
 def _check_apart(chains: list[Joined], lines: list[Any]) -> None:
     tree = shapely.STRtree(lines)
-    pairs = tree.query(lines, predicate="intersects").T
+    pairs = tree.query(lines, predicate="dwithin", distance=TWICE).T
     for i, j in pairs[pairs[:, 0] < pairs[:, 1]]:
         common = lines[i].intersection(lines[j])
+        if common.is_empty:
+            between = shapely.shortest_line(lines[i], lines[j])
+            at = place(shapely.get_coordinates(between)[0])
+            apart = f"{shapely.length(between) / MM:.2g} mm apart at {at}"
+            raise ValueError(f"{chains[i].name} and {chains[j].name} are {apart}: drawn twice?")
         at = place(shapely.get_coordinates(common)[0])
         how = "lie on each other" if common.length > 10 * SAGITTA else "cross or touch"
         raise ValueError(f"{chains[i].name} and {chains[j].name} {how} at {at}")
@@ -161,7 +168,8 @@ def read_part(file: Path, reading: Reading | None = None) -> Part:
             more = f"; {'; '.join(drawing.notes)}" if drawing.notes else ""
             raise ValueError(f"there is nothing to cut{more}")
         check_size(drawing)
-        return part_of(join(drawing.entities, reading.join), drawing.notes)
+        chains, gaps = join(drawing.entities, reading.join)
+        return part_of(chains, (*drawing.notes, *gaps))
     except ValueError as error:
         reason = str(error).removeprefix(f"{file.name}: ")
         raise ValueError(f"{file.name}: {reason}") from error

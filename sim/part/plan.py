@@ -1,6 +1,7 @@
 """Plan of a whole part: paths of the beam's centre, their order, speeds and times."""
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,7 +12,7 @@ from ..motion.profile_grid import BoundsAt
 from ..motion.speed_profile import Bends, Profile, profiles
 from ..motion.timing import PathLimits, rest_to_rest
 from .arcs import MM, Chain, place
-from .beam_path import CORNER, SMOOTH, Led, compensated, led, smooth
+from .beam_path import CORNER, SMOOTH, Led, compensated, led, meets, smooth
 from .curve import Kind
 from .geometry import shapely
 from .order import order
@@ -113,19 +114,16 @@ def plan(part: Part, cutting: Cutting | None = None, joints: JointsAlong | None 
     Raises ValueError, with contour and place, where the beam is too wide or a speed rests.
     """
     cutting = cutting or Cutting()
-    tree = shapely.STRtree(
-        [shapely.LineString(contour.chain.polygon()) for contour in part.contours]
-    )
-    led_paths = [_path(contour, cutting, tree) for contour in part.contours]
-    entry = np.array([found.path.points[0] for found, _ in led_paths])
-    leave = np.array([found.path.points[-1] for found, _ in led_paths])
+    led_paths = _paths(part.contours, cutting)
+    entry = np.array([found.path.points[0] for found in led_paths])
+    leave = np.array([found.path.points[-1] for found in led_paths])
     depth = [contour.depth for contour in part.contours]
     sequence = order(entry, leave, depth, part.box[0])
     begins = np.vstack([part.box[0], leave[sequence[:-1]]])
-    speeds = _profiles([found.path for found, _ in led_paths], cutting, joints)
+    speeds = _profiles([found.path for found in led_paths], cutting, joints)
     cuts = []
     for i, begin in zip(sequence, begins, strict=True):
-        (found, corners), contour = led_paths[i], part.contours[i]
+        found, contour = led_paths[i], part.contours[i]
         _check_moving(contour, found.path, speeds[i])
         rapid = float(np.linalg.norm(entry[i] - begin))
         cuts.append(
@@ -133,7 +131,7 @@ def plan(part: Part, cutting: Cutting | None = None, joints: JointsAlong | None 
                 contour=contour,
                 path=found.path,
                 lead=found.lead,
-                corners=corners,
+                corners=int(np.sum(np.abs(contour.chain.kinks) > SMOOTH)),
                 profile=speeds[i],
                 joints=tuple(_joints(contour, found, cutting)),
                 rapid=rapid,
@@ -143,15 +141,39 @@ def plan(part: Part, cutting: Cutting | None = None, joints: JointsAlong | None 
     return Plan(part, cutting, tuple(cuts))
 
 
-def _path(contour: PartContour, cutting: Cutting, tree: "shapely.STRtree") -> tuple[Led, int]:
-    try:
-        corners = int(np.sum(np.abs(contour.chain.kinks) > SMOOTH))
-        rounded = smooth(contour.chain, cutting.corner)
+def _paths(contours: Sequence[PartContour], cutting: Cutting) -> list[Led]:
+    """Paths of the beam's centre. Raise ValueError where a beam cuts into another contour."""
+    half = 0.5 * cutting.beam
+    rounded = []
+    for contour in contours:
+        with _named(contour):
+            rounded.append(smooth(contour.chain, cutting.corner))
+    tree, found = shapely.STRtree([shapely.LineString(r.polygon()) for r in rounded]), []
+    for i, contour in enumerate(contours):
         if contour.kind is Kind.OPEN:
-            return Led(rounded, 0.0), corners
+            found.append(Led(rounded[i], 0.0))
+            continue
         outwards = contour.kind is Kind.OUTLINE
-        path = compensated(rounded, 0.5 * cutting.beam, outwards)
-        return led(path, inwards=not outwards, obstacles=tree), corners
+        with _named(contour):
+            path = compensated(rounded[i], half, outwards)
+            found.append(led(path, not outwards, half, tree, i))
+    lines = [shapely.LineString(each.path.polygon()) for each in found]
+    for i, j in meets(lines, half, tree).T:
+        if i != j:
+            between = shapely.shortest_line(lines[i], tree.geometries[j])
+            raise ValueError(
+                f"{contours[i].name}: the beam of {cutting.beam / MM:g} mm cuts into "
+                f"{contours[j].name} at {place(shapely.get_coordinates(between)[-1])}, "
+                f"{shapely.length(between) / MM:.3g} mm from its centre; take a narrower beam, or "
+                "draw them further apart"
+            )
+    return found
+
+
+@contextmanager
+def _named(contour: PartContour) -> Iterator[None]:
+    try:
+        yield
     except ValueError as error:
         raise ValueError(f"{contour.name}: {error}") from error
 

@@ -1,5 +1,8 @@
-"""Drawings in SVG, read with svgelements.
+"""Drawings in SVG.
 
+A resolver of ours (`svg_tree`) says which shapes show and where, with tinycss2 and cssselect2 for
+styles and svgelements for the maths of paths: picosvg drops what is to be named and makes cubics of
+arcs, resvg gives pixels alone, svgelements places symbols, hidden and restyled uses wrongly.
 A layer is a group that Inkscape marks as one, by its label; elsewhere the outermost group, by its
 id. y points down in SVG and up here.
 """
@@ -17,28 +20,27 @@ import svgelements
 
 from armside.arrays import Array
 
-from .arcs import Chain, arc, fitted, joined, line, place
+from .arcs import MM, Chain, arc, fitted, joined, line, place
 from .drawing import Drawing, DrawnEntity, Reading, Unit
+from .svg_shape import Size, fitted_in, length, viewbox
+from .svg_tree import INKSCAPE, SVG, UNSEEN, Clip, Document, Leaf
 
 ROUND = 1e-9
 """Relative difference of half axes and of their angle from 90 deg in a circle."""
 PAGE = 1e-3
 """Relative difference from the page within which a filled rectangle is its background."""
-UNITS = {"mm": 1e-3, "cm": 1e-2, "in": 0.0254, "pt": 0.0254 / 72, "pc": 0.0254 / 6, "q": 0.25e-3}
-"""[m], of the units that are lengths; px is one of a screen."""
-INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
-SVG = "{http://www.w3.org/2000/svg}"
+ZERO = 1e-12
+"""Length of a segment that rounding leaves [m]."""
+EDGE = 1e-6
+"""Part of a viewport by which a shape at its edge may reach out of it."""
+PIXEL = 0.0254 / 96
+"""[m]"""
 EDITORS = (INKSCAPE, "{http://sodipodi.sourceforge.net/DTD/sodipodi-0.dtd}")
 """Namespaces of what editors keep beside a drawing."""
-SHAPES = {"path", "rect", "circle", "ellipse", "line", "polyline", "polygon", "use"}
-GROUPS = {"svg", "g", "a", "switch", "symbol"}
-SILENT = {"defs", "title", "desc", "metadata", "style", "script"}
-"""Tags that draw nothing where they stand."""
-CLIPPED = "clipped shapes cannot be cut; release the clip, or draw without it"
 
 
-def chains(path: Any, scale: float) -> Iterator[Chain]:
-    """A chain [m] for each part of a path; `scale` in metres per pixel."""
+def chains(path: Any, matrix: Array) -> Iterator[Chain]:
+    """A chain [m] for each part of a path; `matrix` (3, 3) from its coordinates to metres."""
     pieces: list[Chain] = []
     for segment in path:
         if isinstance(segment, svgelements.Move):
@@ -46,7 +48,7 @@ def chains(path: Any, scale: float) -> Iterator[Chain]:
                 yield _whole(pieces)
             pieces = []
             continue
-        chain = _chain(segment, scale)
+        chain = _chain(segment, matrix)
         if chain is not None:
             pieces.append(_from_end(pieces, chain))
         if isinstance(segment, svgelements.Close):
@@ -57,18 +59,18 @@ def chains(path: Any, scale: float) -> Iterator[Chain]:
         yield _whole(pieces)
 
 
-def _chain(segment: Any, scale: float) -> Chain | None:
+def _chain(segment: Any, matrix: Array) -> Chain | None:
     """One segment; None for one of zero length, as drawing programs leave them."""
-    start, end = _point(segment.start, scale), _point(segment.end, scale)
-    if isinstance(segment, (svgelements.Line, svgelements.Close)):
-        return None if np.array_equal(start, end) else line(start, end)
-    if isinstance(segment, svgelements.Arc):
-        return _arc(segment, scale)
+    start, end = _point(segment.start, matrix), _point(segment.end, matrix)
+    if isinstance(segment, svgelements.Arc) and segment.rx * segment.ry != 0.0:
+        return _arc(segment, matrix)
+    if isinstance(segment, svgelements.Line | svgelements.Close | svgelements.Arc):
+        return None if np.abs(end - start).max() < ZERO else line(start, end)
     if isinstance(segment, svgelements.QuadraticBezier):
-        control = _point(segment.control, scale)
+        control = _point(segment.control, matrix)
         return _bezier(np.array([start, control, end]))
     if isinstance(segment, svgelements.CubicBezier):
-        controls = [_point(segment.control1, scale), _point(segment.control2, scale)]
+        controls = [_point(segment.control1, matrix), _point(segment.control2, matrix)]
         return _bezier(np.array([start, *controls, end]))
     raise ValueError(f"{type(segment).__name__} is not known here")
 
@@ -90,13 +92,13 @@ def _bezier(control: Array) -> Chain | None:
     return fitted(at, [0.0, 1.0])
 
 
-def _arc(segment: Any, scale: float) -> Chain | None:
-    centre = _point(segment.center, scale)
-    first = _point(segment.prx, scale) - centre
-    second = _point(segment.pry, scale) - centre
+def _arc(segment: Any, matrix: Array) -> Chain | None:
+    centre = _point(segment.center, matrix)
+    first = _point(segment.prx, matrix) - centre
+    second = _point(segment.pry, matrix) - centre
     begin, sweep = float(segment.get_start_t()), float(segment.sweep)
     a, b = np.linalg.norm(first), np.linalg.norm(second)
-    if sweep == 0.0 or a * b == 0.0:
+    if sweep == 0.0:
         return None
     if abs(a - b) < ROUND * a and abs(first @ second) < ROUND * a * b:
         turn = np.sign(first[0] * second[1] - first[1] * second[0])
@@ -126,55 +128,8 @@ def _whole(pieces: list[Chain]) -> Chain:
     return whole.ending_at_start if near else whole
 
 
-def _point(point: Any, scale: float) -> Array:
-    return scale * np.array([float(point.x), -float(point.y)])
-
-
-def invisible(shape: Any) -> bool:
-    """Neither stroke nor fill; a shape whose fill is not stated is filled black."""
-    values = shape.values
-    if _number(values.get("opacity", 1.0)) == 0.0:
-        return True
-    return not _stroked(shape) and "fill" in values and not _painted(shape.fill)
-
-
-def is_background(shape: Any, width: float, height: float) -> bool:
-    """A filled rectangle without stroke that covers the page [pixels]."""
-    if _stroked(shape) or invisible(shape):
-        return False
-    box = shape.bbox()
-    if box is None:
-        return False
-    page, size = (0.0, 0.0, width, height), max(width, height)
-    covers = all(abs(a - b) <= PAGE * size for a, b in zip(box, page, strict=True))
-    return covers and _is_box(shape, box, PAGE * size)
-
-
-def _is_box(shape: Any, box: tuple[float, float, float, float], near: float) -> bool:
-    """All points of a shape of lines are corners of its box."""
-    points = [segment.end for segment in shape.segments() if segment.end is not None]
-    if any(type(segment).__name__ not in ("Move", "Line", "Close") for segment in shape.segments()):
-        return False
-    return all(
-        min(abs(point.x - box[0]), abs(point.x - box[2])) <= near
-        and min(abs(point.y - box[1]), abs(point.y - box[3])) <= near
-        for point in points
-    )
-
-
-def _stroked(shape: Any) -> bool:
-    return "stroke" in shape.values and _painted(shape.stroke)
-
-
-def _painted(color: Any) -> bool:
-    return color is not None and color.value is not None and bool(color.alpha)
-
-
-def _number(text: Any) -> float:
-    try:
-        return float(text)
-    except (TypeError, ValueError):
-        return 1.0
+def _point(point: Any, matrix: Array) -> Array:
+    return matrix[:2, :2] @ [float(point.x), float(point.y)] + matrix[:2, 2]
 
 
 def read_svg(file: Path, reading: Reading) -> Drawing:
@@ -185,132 +140,113 @@ def read_svg(file: Path, reading: Reading) -> Drawing:
     """
     try:
         root = ElementTree.parse(file).getroot()
-        drawing: Any = svgelements.SVG.parse(str(file), reify=True, ppi=96)
-    except (ElementTree.ParseError, ValueError, UnicodeDecodeError) as error:
+    except (ElementTree.ParseError, ValueError, LookupError) as error:
         raise ValueError(f"this is no SVG drawing: {error}") from error
     if root.tag.removeprefix(SVG) != "svg":
         raise ValueError(f"this is no SVG drawing: its root is {root.tag!r}")
-    scale = _metres_per_pixel(root, drawing, reading.unit)
-    left_out: Counter[str] = Counter()
-    layers = _check(root, reading, left_out)
-    reading.check_layers(sorted(layers - {""}))
-    found, backgrounds, page = [], [], (float(drawing.width), float(drawing.height))
-    of_tag: Counter[str] = Counter()
-    for shape, layer in _shapes(drawing, ""):
-        name = _name(shape, of_tag)
-        if not reading.chooses(layer):
+    if b"<?xml-stylesheet" in file.read_bytes():
+        raise ValueError("its styles are in another file; put them into the drawing")
+    document, (page, metres) = Document(root), _page(root, reading.unit)
+    paper: Clip = (np.diag([metres, -metres, 1.0]), page, "the page")
+    left_out, layers, found, notes = Counter[str](), set[str](), list[DrawnEntity](), list[str]()
+    over = 0
+    for leaf in document.leaves(page, metres):
+        if leaf.tag.startswith("{"):  # which no viewer draws
+            if not leaf.tag.startswith(EDITORS):
+                left_out[f"elements of namespace {leaf.tag[1:].split('}')[0]}"] += 1
             continue
-        if invisible(shape):
-            left_out["elements without stroke and fill"] += 1
-        elif is_background(shape, *page):
-            backgrounds.append(f"{name} fills the page: its background, which is not cut")
+        layers.add(leaf.layer)
+        if not reading.chooses(leaf.layer):
+            left_out[f"layer {leaf.layer or '(none)'}: elements"] += 1
+        elif leaf.hidden:
+            left_out[leaf.hidden] += 1
+        elif not (drawn := _drawn(leaf, reading.join)):
+            left_out[UNSEEN] += 1
+        elif is_background(leaf, drawn, paper):
+            notes.append(f"{leaf.name} fills the page: its background, which is not cut")
         else:
-            found += _drawn(shape, name, layer, scale)
-    notes = [f"{what} that are not cut: {n}" for what, n in sorted(left_out.items())]
-    return Drawing(tuple(found), (*notes, *backgrounds))
+            found += [DrawnEntity(chain, leaf.name, leaf.layer) for chain in drawn]
+            left_out["markers"] += leaf.marked
+            over += any(_out_of(paper, chain) is not None for chain in drawn)
+    reading.check_layers(sorted(layers - {""}))
+    if over:
+        notes.append(f"elements that reach over the page and are cut: {over}")
+    counted = [f"{what} that are not cut: {n}" for what, n in sorted(left_out.items()) if n]
+    return Drawing(tuple(found), (*counted, *notes))
 
 
-def _drawn(shape: Any, name: str, layer: str, scale: float) -> list[DrawnEntity]:
+def _drawn(leaf: Leaf, near: float) -> list[Chain]:
+    """Chains of a shape, none of one that does not show. near: of ends that will be joined [m]."""
+    label = f"{leaf.name} on layer {leaf.layer or '(none)'}"
+    if leaf.trouble:
+        raise ValueError(f"{label}: {leaf.trouble}".replace(": it ", " ", 1))
     try:
-        path = svgelements.Path(shape).reify()
-        found = [DrawnEntity(chain, name, layer) for chain in chains(path, scale)]
+        if not (leaf.filled or leaf.stroked):
+            return []
+        path, scale = leaf.path, np.linalg.svd(leaf.matrix[:2, :2], compute_uv=False)
+        if scale[1] <= ROUND * scale[0]:
+            raise ValueError("its transform leaves no area of it")
+        found = list(chains(path, leaf.matrix))
         if not found and (ends := [segment.end for segment in path if segment.end is not None]):
-            at = place(scale * np.array([ends[0].x, -ends[0].y]))
-            raise ValueError(f"it has zero length at {at}")
+            raise ValueError(f"it has zero length at {place(_point(ends[0], leaf.matrix))}")
+        for chain in found:
+            for clip in leaf.clips:
+                if (at := _out_of(clip, chain)) is not None:
+                    raise ValueError(f"{clip[2]} clips it at {place(at)}")
+            gap = float(np.linalg.norm(chain.points[-1] - chain.points[0]))
+            if not leaf.stroked and gap > near and len(chain.bulge) > 1:
+                raise ValueError(
+                    f"it is filled without a stroke, and open by {gap / MM:.3g} mm at "
+                    f"{place(chain.points[0])}; close it"
+                )
     except ValueError as error:
-        raise ValueError(f"{name} on layer {layer or '(none)'}: {error}") from error
-    return found
+        raise ValueError(f"{label}: {error}") from error
+    lone = [] if leaf.stroked else [c for c in found if len(c.bulge) == 1]  # a fill of no area
+    return [chain for chain in found if chain not in lone]
 
 
-def _name(shape: Any, of_tag: Counter[str]) -> str:
-    """Tag and id, or the number among the shapes of its tag, which are counted."""
-    own, tag = shape.values.get("attributes", {}), shape.values.get("tag", "path")
-    of_tag[tag] += 1
-    known = own.get("id") or shape.id
-    return f"{tag} #{known}" if known else f"{tag} {of_tag[tag]} (without id)"
+def _out_of(clip: Clip, chain: Chain) -> Array | None:
+    """A point of a chain outside of a viewport [m]."""
+    matrix, size, _ = clip
+    points = chain.polygon()
+    inside = (points - matrix[:2, 2]) @ np.linalg.inv(matrix[:2, :2]).T
+    near = EDGE * max(size)
+    out = ((inside < -near) | (inside > np.array(size) + near)).any(axis=1)
+    return points[int(out.argmax())] if out.any() else None
 
 
-def _shapes(group: Any, layer: str) -> Iterator[tuple[Any, str]]:
-    for element in group:
-        own = element.values.get("attributes", {})
-        if isinstance(element, svgelements.Group):
-            yield from _shapes(element, _layer(own, layer))
-        elif isinstance(element, svgelements.Shape):
-            yield element, layer
+def is_background(leaf: Leaf, drawn: list[Chain], paper: Clip) -> bool:
+    """A filled rectangle without stroke that covers the page."""
+    if leaf.stroked or len(drawn) != 1 or not drawn[0].closed or drawn[0].bulge.any():
+        return False
+    matrix, size, _ = paper
+    inside = (drawn[0].points - matrix[:2, 2]) @ np.linalg.inv(matrix[:2, :2]).T
+    near = PAGE * max(size)
+    corners = np.minimum(np.abs(inside), np.abs(inside - size)) <= near
+    return bool(corners.all() and (np.abs(np.ptp(inside, axis=0) - size) <= 2 * near).all())
 
 
-def _layer(attributes: Any, outer: str) -> str:
-    if attributes.get(f"{INKSCAPE}groupmode") == "layer":
-        return attributes.get(f"{INKSCAPE}label") or attributes.get("id") or outer
-    return outer or attributes.get("id") or ""
-
-
-def _check(root: Any, reading: Reading, left_out: Counter[str]) -> set[str]:
-    """Layers of a file; ValueError for what cannot be cut, and a count of what is not cut."""
-    layers: set[str] = set()
-    for element, layer, hidden in _elements(root, "", False):
-        tag = element.tag.removeprefix(SVG)
-        layers.add(layer)
-        known = f"#{element.get('id')}" if element.get("id") else "(without id)"
-        label = f"{tag} {known} on layer {layer or '(none)'}"
-        if tag.startswith("{"):  # which no viewer draws
-            if not tag.startswith(EDITORS):
-                left_out[f"elements of namespace {tag[1:].split('}')[0]}"] += 1
-        elif not reading.chooses(layer):
-            left_out[f"layer {layer or '(none)'}: elements"] += 1
-        elif hidden:
-            left_out["hidden elements"] += 1
-        elif tag not in SHAPES:
-            raise ValueError(f"{label} cannot be cut; choose the layers to cut, or remove it")
-        elif clip := [name for name in ("clip-path", "mask") if _property(element, name)]:
-            raise ValueError(f"{label} has a {clip[0]}: {CLIPPED}")
-    return layers
-
-
-def _elements(parent: Any, layer: str, hidden: bool) -> Iterator[tuple[Any, str, bool]]:
-    for element in parent:
-        if not isinstance(element.tag, str):  # a comment
-            continue
-        tag = element.tag.removeprefix(SVG)
-        gone = hidden or _property(element, "display") == "none"
-        gone = gone or _property(element, "visibility") == "hidden"
-        if tag in GROUPS - {"symbol"}:
-            if clip := [name for name in ("clip-path", "mask") if _property(element, name)]:
-                raise ValueError(f"group #{element.get('id')} has a {clip[0]}: {CLIPPED}")
-            yield from _elements(element, _layer(element.attrib, layer), gone)
-        elif tag not in SILENT | {"symbol"}:
-            yield element, layer, gone
-
-
-def _property(element: Any, name: str) -> str:
-    """A presentation attribute or its value in the element's style."""
-    style = re.search(rf"(?:^|;)\s*{name}\s*:\s*([^;]+)", element.get("style", ""))
-    value = style.group(1).strip() if style else element.get(name, "")
-    return "" if name in ("clip-path", "mask") and value == "none" else value
-
-
-def _metres_per_pixel(root: Any, drawing: Any, chosen: Unit | None) -> float:
-    if chosen is not None:
-        return chosen.metres / _pixels_per_unit(drawing)
+def _page(root: ElementTree.Element, chosen: Unit | None) -> tuple[Size, float]:
+    """Width and height of the page [pixels], NaN where it has none, and metres of a pixel."""
     stated = root.get("width", "").strip()
-    found = re.fullmatch(r"([-+.\deE]+?)\s*([A-Za-z]+)", stated)
-    unit = found.group(2).lower() if found else ""
-    if not found or unit not in UNITS:
+    if chosen is None and not re.search(r"(mm|cm|in|pt|pc|q)$", stated.lower()):
         raise ValueError(
             f"its unit is in doubt: its width is {stated or 'not stated'}, which is no length in "
             "mm, cm or in; say --units mm or --units inch"
         )
-    try:
-        width = float(found.group(1)) * UNITS[unit]
-    except ValueError as error:
-        raise ValueError(f"its width {stated!r} is no length") from error
-    if not width > 0.0:
-        raise ValueError(f"its width is {stated}")
-    return width / float(drawing.width)
-
-
-def _pixels_per_unit(drawing: Any) -> float:
-    box = drawing.viewbox
-    if box is None or not box.width or not box.height:
-        return 1.0
-    return min(float(drawing.width) / box.width, float(drawing.height) / box.height)
+    box = viewbox(root) or [0.0, 0.0, np.nan, np.nan]
+    width, height = (
+        None if "%" in root.get(name, "%") else length(root.attrib[name], name, (np.nan, np.nan))
+        for name in ("width", "height")
+    )
+    if width is None:
+        width = box[2] if height is None else height * box[2] / box[3]
+    height = width * box[3] / box[2] if height is None else height
+    if width <= 0.0 or height <= 0.0:
+        raise ValueError(f"its width is {stated}, its height {root.get('height', 'not stated')}")
+    if chosen is None:
+        return (width, height), PIXEL
+    scale = fitted_in(root, (width, height))[[0, 1], [0, 1]]
+    if np.ptp(scale) > ROUND * scale[0]:
+        raise ValueError("its viewBox is stretched: give its width and height in mm")
+    return (width, height), chosen.metres / float(scale[0])

@@ -1,14 +1,16 @@
 """Time to plan a whole part of many contours."""
 
 from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from armside.sim.laser.part_cut import PartCut
 from armside.sim.part.arcs import MM, Chain, arc, joined, line
 from armside.sim.part.drawing import Joined
-from armside.sim.part.part import Part, part_of
-from armside.sim.part.plan import Cutting
+from armside.sim.part.part import Part, part_of, read_part
+from armside.sim.part.plan import Cutting, plan
 
 from ._timing import Row, timed
 
@@ -25,7 +27,28 @@ def measured() -> Sequence[Row]:
     part = sheet(ENTITIES)
     cut = PartCut(part=part, cutting=Cutting(speed=SPEED), pose=POSE)
     name = f"plan of {ENTITIES} entities, {len(part.contours)} contours, at {POSE}"
-    return timed({name: lambda: cut.plan}, repeats=1)
+    drawing, n = svg(ENTITIES), f"{ENTITIES} contours of an SVG drawing"
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "sheet.svg"
+        file.write_text(drawing)
+        cases = {
+            name: lambda: cut.plan,
+            f"{n} read": lambda: read_part(file),
+            f"{n} read and planned": lambda: plan(read_part(file)),
+        }
+        return timed(cases, repeats=1)
+
+
+def svg(contours: int) -> str:
+    """A sheet with round holes of as many sizes, and its outline."""
+    holes = "".join(
+        f'<circle cx="{20 * (i % 23) + 15}" cy="{20 * (i // 23) + 15}" r="{3 + 0.01 * i}"/>'
+        for i in range(contours - 1)
+    )
+    size = 'width="480mm" height="480mm" viewBox="0 0 480 480"'
+    paint = 'fill="none" stroke="red"'
+    outline = '<rect width="480" height="480"/>'
+    return f'<svg xmlns="http://www.w3.org/2000/svg" {size} {paint}>{outline}{holes}</svg>'
 
 
 def sheet(entities: int, seed: int = 0) -> Part:

@@ -80,7 +80,7 @@ def test_design_prints_its_sentence_and_writes_its_numbers(tmp_path, capsys):
         ("reproduce 8 --joint k=5e9", "k must be 0.005 to 5000"),
         ("reproduce 8 --joint k", "joint takes KEY=VALUE"),
         ("reproduce 8 --law herustic", "Unknown law 'herustic'"),
-        ("reproduce 8 --gamma 0", "gamma must be > 0"),
+        ("reproduce 8 --gamma 0", "gamma must be in (0, 100]"),
         ("reproduce 8 --cutoff 50", "cutoff must be 0.1 to 49 Hz"),
         ("reproduce 8.77", "Unknown figure, chapter or row '8.77'. Did you mean 8.7?"),
         ("reproduce 9.5 --gamma 0.5", "are of the figures of chapter 8, not of 9.5"),

@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 from armside.ilc.models.conversion import as_state_space
 from armside.ilc.models.file import write_model
@@ -40,8 +39,7 @@ SIX = ("heuristic:gamma=0.5,delta=1", "gradient", "inverse", "norm-optimal", "hi
 
 
 @pytest.mark.parametrize("plant", ["lag.json", "two-mass"])
-def test_six_laws_on_a_plant_in_one_table_of_80_columns(plant, place, capsys, monkeypatch):
-    monkeypatch.setattr(Figure, "savefig")
+def test_six_laws_on_a_plant_in_one_table_of_80_columns(plant, place, capsys):
     words = ["learn", "--plant", plant, "--laws", *SIX, "own.py:half", "--iterations", "1"]
     assert main([*words, "--samples", "80", "--out", "a"]) == 0
     table = capsys.readouterr().out

@@ -9,9 +9,9 @@ import pytest
 from armside.scripts.cli import COMMANDS
 
 EXTRAS = (
-    *("shapely", "ezdxf", "svgelements", "optuna", "cmaes", "control", "h5py", "mcap", "psycopg"),
-    *("ray", "stable_baselines3", "google", "pinocchio", "roboticstoolbox", "hypothesis"),
-    "rosbags",
+    *("shapely", "ezdxf", "svgelements", "cssselect2", "optuna", "cmaes", "control", "h5py"),
+    *("mcap", "psycopg", "ray", "stable_baselines3", "google", "pinocchio", "rosbags"),
+    *("roboticstoolbox", "hypothesis"),
 )
 BARE = f"""
 import sys

@@ -1,5 +1,7 @@
 """Whole drawings are read; what is wrong with a bad one is said in one line, with its place."""
 
+import re
+
 import numpy as np
 import pytest
 from ezdxf import units
@@ -153,7 +155,18 @@ def test_ends_within_the_tolerance_are_joined(tmp_path):
     document = new()
     frame(document.modelspace())
     draw_gap(document.modelspace(), 0.04)
-    assert areas(read(document, tmp_path), Kind.HOLE) == pytest.approx([100.0], rel=1e-2)
+    part = read(document, tmp_path)
+    assert areas(part, Kind.HOLE) == pytest.approx([100.0], rel=1e-2)
+    (note,) = part.notes
+    said = r"a gap of 0.04 mm at \(20, 10(\.04)?\) mm is closed, between LINE #\w+ and LINE #\w+"
+    assert re.fullmatch(said, note)
+
+
+def test_a_gap_of_rounding_is_not_noted(tmp_path):
+    document = new()
+    frame(document.modelspace())
+    draw_gap(document.modelspace(), 1e-4)
+    assert read(document, tmp_path).notes == ()
 
 
 BAD = {
@@ -172,6 +185,10 @@ BAD = {
     "one on another": (
         lambda s: (s.add_circle((20, 20), 5.0), s.add_circle((20, 20), 5.0)),
         r"CIRCLE #\w+ and CIRCLE #\w+ lie on each other at",
+    ),
+    "one beside another": (
+        lambda s: (s.add_circle((20, 20), 10.0), s.add_circle((20, 20), 10.002)),
+        r"CIRCLE #\w+ and CIRCLE #\w+ are 0.002 mm apart at \([-\d.]+, [-\d.]+\) mm: drawn twice",
     ),
     "hole outside": (
         lambda s: s.add_circle((150, 20), 5.0),

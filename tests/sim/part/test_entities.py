@@ -126,6 +126,21 @@ def test_a_stretched_block_makes_an_ellipse_of_a_circle(tmp_path):
     assert 1e6 * hole.chain.area == pytest.approx(np.pi * 12.0, rel=1e-4)
 
 
+def test_a_turned_block_in_a_stretched_one_is_skewed(tmp_path):
+    """ezdxf moves the inner insert to another place, and stretches it without skewing it."""
+    document = new()
+    document.blocks.new("IN").add_lwpolyline([(3, 1), (5, 1), (5, 2), (3, 2)], close=True)
+    document.blocks.new("OUT").add_blockref("IN", (5, 4), dxfattribs={"rotation": 30.0})
+    stretch = {"xscale": 2.0, "yscale": 0.5}
+    document.modelspace().add_blockref("OUT", (20, 20), dxfattribs=stretch)
+    c, s = np.cos(np.pi / 6), np.sin(np.pi / 6)
+    corners = np.array([(3, 1), (5, 1), (5, 2), (3, 2)]) @ np.array([[c, s], [-s, c]]) + [5, 4]
+    wanted = corners * [2.0, 0.5] + 20.0
+    points = 1e3 * hole_of(document, tmp_path).chain.points[:-1]
+    apart = np.linalg.norm(points[:, None] - wanted, axis=2).min(axis=0)
+    np.testing.assert_allclose(apart, 0.0, atol=1e-6)
+
+
 IN_R12 = ["POINT", "SOLID", "TRACE", "3DFACE", "TEXT", "SHAPE", "ATTDEF", "DIMENSION", "VIEWPORT"]
 LATER = ["MTEXT", "HATCH", "MPOLYGON", "LEADER", "MLINE", "RAY", "XLINE", "WIPEOUT", "MESH"]
 LATER += ["HELIX", "REGION", "3DSOLID", "BODY", "TOLERANCE", "MULTILEADER", "LIGHT", "SURFACE"]

@@ -133,6 +133,56 @@ def test_a_neck_narrower_than_the_beam_is_refused_with_its_place(tmp_path):
         plan(part, Cutting(beam=4e-4))
 
 
+NEIGHBOURS = {
+    "a ring narrower than the beam": (
+        lambda s: (s.add_circle((30, 20), 10.0), s.add_circle((30, 20), 9.85)),
+        r"CIRCLE #\w+: the beam of 0.2 mm cuts into CIRCLE #\w+ at \([-\d.]+, [-\d.]+\) mm, "
+        r"0.0(5|49\d*) mm from its centre",
+    ),
+    "an open cut beside a hole": (
+        lambda s: (s.add_circle((30, 20), 10.0), s.add_line((40.05, 10), (40.05, 30))),
+        r"LINE #\w+: .* cuts into CIRCLE #\w+ at \(40, 20\) mm, 0.05 mm from its centre",
+    ),
+    "two holes": (
+        lambda s: (s.add_circle((30, 20), 5.0), s.add_circle((40.1, 20), 5.0)),
+        None,
+    ),
+}
+
+
+@pytest.mark.parametrize("case", NEIGHBOURS)
+def test_a_beam_that_cuts_into_another_contour_is_refused_with_both_names(case, tmp_path):
+    draw, said = NEIGHBOURS[case]
+    document = new()
+    frame(document.modelspace())
+    draw(document.modelspace())
+    part = read_part(save(document, tmp_path))
+    if said is None:
+        plan(part, Cutting(beam=2e-4))
+        return
+    with pytest.raises(ValueError, match=said):
+        plan(part, Cutting(beam=2e-4))
+
+
+@pytest.mark.parametrize("gap", [2.05, 0.9, 0.31, 0.22])
+def test_the_beam_of_a_lead_stays_off_its_neighbours(gap, tmp_path):
+    """An island in a hole: its lead of 2 mm would run across the gap [mm] into the hole's edge."""
+    document = new()
+    space = document.modelspace()
+    frame(space)
+    space.add_lwpolyline([(10, 10), (40, 10), (40, 30), (10, 30)], close=True)
+    inner = [(10, 10), (40, 10), (40, 30), (10, 30)]
+    inner = [(x + (gap if x < 20 else -gap), y + (gap if y < 20 else -gap)) for x, y in inner]
+    space.add_lwpolyline(inner, close=True)
+    found = plan(read_part(save(document, tmp_path)), Cutting(beam=2e-4))
+    for cut in found.cuts:
+        swath = shapely.LineString(cut.path.polygon())
+        for other in found.cuts:
+            if other is not cut:
+                drawn = shapely.LinearRing(smooth(other.contour.chain).polygon())
+                assert swath.distance(drawn) > 1e-4 - 5e-6
+
+
 def test_corners_are_rounded_with_the_radius_that_is_asked_for(tmp_path):
     document = new()
     frame(document.modelspace())

@@ -74,7 +74,7 @@ def test_a_shape_that_is_clipped_is_refused_by_name(tmp_path):
     figure = Figure(figsize=(100 / 25.4, 100 / 25.4))
     figure.add_axes((0.0, 0.0, 1.0, 1.0)).add_patch(Rectangle((0.2, 0.2), 0.5, 0.5, gid="plate"))
     figure.savefig(tmp_path / "a.svg")
-    wanted = r"path \(without id\) on layer figure_1 has a clip-path: .* release the clip"
+    wanted = r"path \d+ \(without id\) on layer figure_1 has a clip-path: .* release the clip"
     with pytest.raises(ValueError, match=wanted):
         read_part(tmp_path / "a.svg")
 
