@@ -150,13 +150,15 @@ def test_commands_and_code_of_a_page_work(page, tmp_path, monkeypatch, request):
         of_block: list[str] = []
         for command in commands(block):
             of_block.append(command)
-            if not WHOLE and is_a_variant(of_block):
+            if reads_what_no_line_wrote(command, earlier):
+                pass
+            elif not WHOLE and is_a_variant(of_block):
                 parse(shlex.split(command, comments=True)[1:], cli.COMMANDS, cli.load)
             elif not WHOLE and command.startswith("armside commission "):
                 copy_twin(command, request.getfixturevalue("commissioned"))
             elif command == SEVERAL_PAGES:
                 run_once(command, request.getfixturevalue("made_once"))
-            elif not reads_what_no_line_wrote(command, earlier):
+            else:
                 run_command(command)
             earlier.append(command)
         if block.language == "toml" and (named := NAMED.match(block.text)):

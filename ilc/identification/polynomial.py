@@ -140,6 +140,7 @@ class Polynomials:
         return recursion(p["a"], np.ones(1), y) - recursion(p["b"], p["f"], u)
 
 
+@records("signal")
 def delayed(signal: Array, samples: int) -> Array:
     """The signal that many samples later, from rest."""
     return np.concatenate((np.zeros((samples, signal.shape[1])), signal))[: len(signal)]

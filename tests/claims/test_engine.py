@@ -47,6 +47,7 @@ def small(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(evidence, "names", lambda folder: ["small"])
     monkeypatch.setattr(evidence, "claim", lambda name: replace(SMALL, processes=1))
+    monkeypatch.setattr(command, "claim_file", lambda name: Path(__file__))
 
 
 def test_a_claim_that_holds_writes_its_page_and_the_index(small, capsys):

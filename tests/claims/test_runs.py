@@ -204,12 +204,10 @@ def test_the_design_of_the_thesis_is_one_of_the_cuts_of_the_irb1400(learned):
 
 def test_a_learned_cut_is_that_of_its_seed_and_design(monkeypatch):
     asked, made = [], {"iterations": [], "notes": [HIT]}
-    monkeypatch.setattr(_learned, "run", lambda cut, **given: asked.append(given) or made)
+    monkeypatch.setattr(_learned, "run", lambda *given: asked.append(given) or made)
     tally = Tally()
     _learned.learned(Cut(), 9, tally, THESIS)
-    ((given),) = asked
-    assert given["seed"] == 9
-    assert given["measure"].design is THESIS
+    assert asked == [(Cut(), THESIS, 9)]
     assert tally.notes("runs")[0].text.endswith("(in 1 of 1 runs)")
 
 

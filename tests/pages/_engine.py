@@ -25,6 +25,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import evidence
 from ..house import PACKAGES, House
 from ..house import source as python_source
 
@@ -132,7 +133,7 @@ def store(found: Mapping[str, Result], file: Path = RESULTS) -> None:
 
 def claim_file(name: str) -> Path:
     """Module of a claim."""
-    return ROOT / "tests/claims" / f"{name.replace('-', '_')}.py"
+    return Path(str(evidence.module("claims", name).__file__))
 
 
 def claims() -> list[str]:

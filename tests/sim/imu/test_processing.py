@@ -23,7 +23,6 @@ from armside.sim.imu import (
     moving_rms,
     predict,
 )
-from armside.sim.imu import measured_beside_predicted as compare
 from armside.sim.imu.compensation import (
     GRAVITY,
     Calibration,
@@ -33,6 +32,7 @@ from armside.sim.imu.compensation import (
     to_base,
     to_imu,
 )
+from armside.sim.imu.measured_beside_predicted import compare
 from armside.sim.imu.predicted_motion import difference_quotients, resample
 from armside.sim.instruments.encoder import quantise
 from armside.sim.instruments.imu import ImuCfg, draw
