@@ -104,7 +104,8 @@ def test_laws_that_measure_take_the_steps_of_the_dense_plant(
     J = (G.reshape(n_samples * n, n_samples, n).swapaxes(1, 2) @ B).reshape(n_samples * n, -1)
     root = np.sqrt(1e-6 * np.square(J).sum(axis=0).max()) * np.eye(7 * n)
     c = np.linalg.lstsq(np.vstack((J, root)), np.append(e.ravel(), np.zeros(7 * n)))[0]
-    assert close(law(u, e), u + B @ c.reshape(n, 7).T)
+    # differences of outputs leave coefficients open whose effects nearly cancel, not their effect
+    assert close(G @ (law(u, e) - u).ravel(), J @ c, size=float(np.linalg.norm(e)))
 
 
 @on_plants(6, lengths=SHORT)
