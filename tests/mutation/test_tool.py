@@ -1,6 +1,7 @@
 """The tool itself: it mutates one place, restores the tree, and counts what it saw."""
 
 import subprocess
+import sys
 from dataclasses import replace
 
 import pytest
@@ -9,7 +10,7 @@ from . import session
 from .mutant import ROOT, Mutant, curated
 from .page import page, score
 from .session import Session, Trial, trial
-from .warm import TIMED_OUT, run_pytest
+from .warm import TIMED_OUT
 from .workspace import commit, copied, mutated
 
 MUTANT = Mutant(name="sum", file="ilc/a.py", old="a + b", new="a - b", tests=("tests/ilc",))
@@ -91,10 +92,19 @@ def test_nearest_tests_come_first_and_the_first_failure_ends_a_trial(
 
 
 def test_a_run_without_end_is_ended_by_its_processor_time_and_one_that_waits_is_not(tmp_path):
+    """In a fresh process, as a worker of mutants is: collecting what hundreds of tests have left in
+    this one takes seconds of its own."""
     (tmp_path / "test_endless.py").write_text("def test_it():\n    while True: pass\n")
     (tmp_path / "test_slow.py").write_text("import time\ndef test_it(): time.sleep(6.0)\n")
-    assert run_pytest([str(tmp_path / "test_endless.py")], 1.0)[0] == TIMED_OUT
-    assert run_pytest([str(tmp_path / "test_slow.py")], 5.0)[0] == 0
+    code = (
+        "import sys; from tests.mutation.warm import run_pytest; endless, slow = sys.argv[1:]; "
+        "print(run_pytest([endless], 1.0)[0], run_pytest([slow], 5.0)[0])"
+    )
+    files = (str(tmp_path / f"test_{name}.py") for name in ("endless", "slow"))
+    done = subprocess.run(
+        [sys.executable, "-c", code, *files], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split() == [str(TIMED_OUT), "0"]
 
 
 def test_results_are_kept_between_sessions(tmp_path):
