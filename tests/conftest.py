@@ -86,13 +86,13 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture(scope="session")
-def made_once(tmp_path_factory, worker_id):
-    """A function that gives a folder of a name, made once for all workers of pytest-xdist.
+def made_once(tmp_path_factory):
+    """A function that gives a folder of a name, made once for all workers of pytest-xdist, if any.
 
     It is called with the name and with what makes the folder: a function of its path.
     """
     own = tmp_path_factory.getbasetemp()
-    shared = own if worker_id == "master" else own.parent
+    shared = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
 
     def folder(name: str, make: Callable[[Path], None]) -> Path:
         done = shared / f"once-{name}"

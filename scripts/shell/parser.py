@@ -5,6 +5,7 @@ from collections.abc import Callable, Collection, Mapping
 from enum import Enum
 from importlib.metadata import version
 from inspect import getdoc
+from itertools import pairwise
 from typing import Any
 
 from cyclopts import App, CycloptsError, Parameter
@@ -67,6 +68,9 @@ def parse(tokens: list[str], commands: Commands, load: Load) -> tuple[Callable[.
     chosen = tokens[0] if tokens else ""
     if chosen not in (*commands, "--version"):
         raise unknown("experiment", chosen, commands)
+    for before, word in pairwise(tokens):
+        if not word or (word.startswith("--") and word.endswith("=")):
+            raise InputError(f"{word or before} has an empty value")
     app = make_app(commands, load, chosen, whole=WHOLE in tokens)
     with checking_input():
         try:

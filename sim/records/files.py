@@ -33,6 +33,8 @@ LARGEST_DATA = 1_000_000_000
 """[bytes], of recorded data, packed or unpacked: they are worked on in memory."""
 LONGEST_NAME = 255
 """[bytes], of a file's name on common file systems."""
+LONGEST_PATH = 4095
+"""[bytes], PATH_MAX of Linux (linux/limits.h) without its null."""
 RESERVED = 24
 """[bytes], of a file's name: for the hidden one that it is written under first."""
 
@@ -102,6 +104,9 @@ def check_name(path: Path) -> None:
         if (n := len(os.fsencode(part))) > LONGEST_NAME - RESERVED:
             most = LONGEST_NAME - RESERVED
             raise InputError(f"a name of {n} bytes is too long, at most {most} are: {part}")
+    if (n := len(os.fsencode(path.absolute()))) > LONGEST_PATH - RESERVED:
+        most = LONGEST_PATH - RESERVED
+        raise InputError(f"a path of {n} bytes is too long, at most {most} are written")
 
 
 def _stat(path: Path) -> os.stat_result:

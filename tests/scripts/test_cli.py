@@ -146,6 +146,8 @@ BAD_INPUT = {
     "probe --out full/file": "is a file",
     "probe --out full/file/deeper": "is not a folder",
     "probe --out .": "not empty",
+    f"probe --out {'a/' * 2200}b": "bytes is too long, at most 4071",
+    "export --robot=": "--robot= has an empty value",
     "measure": "requires an argument",
 }
 
