@@ -44,7 +44,7 @@ def read_value(type_: Any, tokens: Sequence[Token]) -> Any:
             raise ValueError(f"must be a whole number, got {token.value}")
         if isinstance(leaf, Path) and not token.value:
             raise ValueError("must name a file or a folder, got an empty text")
-    return value
+    return value + 0.0 if isinstance(value, float) else value  # -0.0 is 0.0
 
 
 class Limits(NamedTuple):

@@ -10,10 +10,12 @@ from importlib.metadata import version
 from pathlib import Path
 
 import pytest
+from cyclopts import Token
 
 from armside.scripts import cli, commands
 from armside.scripts.shell.errors import InputError
 from armside.scripts.shell.help import first_clause
+from armside.scripts.shell.options import read_value
 
 
 def test_help_lists_every_experiment_with_its_line(armside):
@@ -159,6 +161,11 @@ def test_bad_input_is_one_line_and_status_2_and_nothing_is_written(bad_input, tm
     (full / "file").write_text("kept")
     bad_input(line, BAD_INPUT[line])
     assert (full / "file").read_text() == "kept"
+
+
+def test_minus_zero_is_zero():
+    """A range from +0.0 to -0.0 is empty for a generator of random numbers."""
+    assert str(read_value(float, [Token(value="-0.0")])) == "0.0"
 
 
 def test_a_current_folder_is_not_replaced_even_if_empty(armside):
