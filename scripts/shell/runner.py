@@ -1,6 +1,7 @@
 """A command line carried out: parsed, run, and ended with one line and a status, in a process that
 it may have for itself."""
 
+import errno
 import os
 import sys
 import traceback
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 """Exit status; that of an interruption is in `interrupts`."""
+OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)
+"""Errors of the system that only what was typed can cause."""
 
 
 def run(tokens: list[str], commands: "Commands", load: "Load") -> int:
@@ -43,8 +46,8 @@ def run(tokens: list[str], commands: "Commands", load: "Load") -> int:
             return _complain(str(error) or _kept(), exit_status(error))
         if "--debug" in tokens:
             traceback.print_exc()
-        status = BAD_INPUT if isinstance(error, InputError) else FAILED
-        return _complain(_message(error), status)
+        is_bad = isinstance(error, InputError) or getattr(error, "errno", None) in OF_NAMES
+        return _complain(_message(error), BAD_INPUT if is_bad else FAILED)
 
 
 def _kept() -> str:

@@ -150,6 +150,7 @@ BAD_INPUT = {
     "probe --out .": "not empty",
     f"probe --out {'a/' * 2200}b": "bytes is too long, at most 4071",
     "export --robot=": "--robot= has an empty value",
+    f"convert {'x' * 300}": "File name too long",
     "measure": "requires an argument",
 }
 
