@@ -49,6 +49,9 @@ def test_summary_and_files(done):
         assert 0.0 < errors["mean"] < errors["p95"] < errors["max"] < 5e-3
     assert summary["held_out"]["geometry"]["mean"] < 0.6 * summary["held_out"]["nominal"]["mean"]
     assert summary["rank"] == 27
+    for row in summary["parameters"]:
+        is_angle = row["name"].startswith(("alpha", "theta", "beta", "base_r", "tool_r"))
+        assert row["unit"] == ("rad" if is_angle else "m"), row["name"]
     assert 0.0 < summary["smallest_singular_value"] < 1.0
     assert {"name": "d_3", "same_as": ["d_2"]} in summary["redundant"]
     robot, limits = read_robot(folder / "calibrated.toml")

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.linalg import expm
+from scipy.stats import chi2
 
 from armside.ilc.estimation.consistency import bounds, normalised_squared, whiteness
 from armside.ilc.estimation.kalman import Smoother, SteadyStateFilter
@@ -130,6 +131,19 @@ def test_innovations_of_a_right_model_are_white_and_of_a_wrong_one_are_not(proce
     Ad, Q = sampled_noise(A * np.array([[1.0, 1.0], [1.6, 1.0]]), W, STEP)
     wrong = SteadyStateFilter(Process(A=Ad, Q=Q, C=C, R=R))
     assert not whiteness(wrong(y).innovation @ wrong.whitening[0].T).is_white
+
+
+def test_the_statistic_of_whiteness_is_that_of_ljung_and_box():
+    """Ljung and Box (1978), (1.3): n (n + 2) sum_k r_k^2 / (n - k), chi-square of as many lags.
+
+    With 30 samples and 10 lags the weights matter: they range from 1.07 to 1.6.
+    """
+    e, lags = np.random.default_rng(4).standard_normal(30), 10
+    e[1:] += 0.5 * e[:-1]
+    c = e - e.mean()
+    r = [c[k:] @ c[:-k] / (c @ c) for k in range(1, lags + 1)]
+    q = 30 * 32 * sum(r[k - 1] ** 2 / (30 - k) for k in range(1, lags + 1))
+    assert whiteness(e[:, None], lags).p_value == pytest.approx(chi2.sf(q, lags), rel=1e-9)
 
 
 def test_the_wiener_filter_is_the_smoother_far_from_the_ends(process, record):

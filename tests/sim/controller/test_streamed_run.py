@@ -8,6 +8,8 @@ import pytest
 from armside.sim.controller.streamed_run import StreamedRun
 from armside.sim.laser import Cut
 from armside.sim.laser.experiment import prepare
+from armside.sim.robot.statics import Statics
+from armside.sim.robot.virtual_robot import VirtualRobot
 
 
 @pytest.mark.parametrize("robot", ["large", "irb1400"])
@@ -55,3 +57,30 @@ def test_physics_ahead_of_a_correction_changes_no_bit_and_no_signal_before_its_t
     np.testing.assert_array_equal(a.motor_angle, b.motor_angle)
     np.testing.assert_array_equal(a.truth.tool_position, b.truth.tool_position)
     assert len(b.time) == 30
+
+
+def test_guided_torque_is_that_of_the_motion_at_the_end_of_each_period():
+    """Of a robot that stood still: change of the rigid torque since then, linear in between."""
+    model = prepare(Cut(radius=0.002)).loaded.model
+    nominal, start = Statics(model), np.array([0.1, 0.2, -0.1, 0.3, 0.5, 0.2])
+    loaded = VirtualRobot(model, nominal=nominal).load(np.tile(start, (60, 1)))
+    guided, plain = StreamedRun(loaded, guiding=nominal), StreamedRun(loaded)
+    time = loaded.log_period * np.arange(59)
+    for u in (0.02 * np.sin(2.0 * np.pi * 2.0 * time) ** 2)[:, None] * np.ones(6):
+        guided.advance(u)
+        plain.advance(u)
+    n, gear = loaded.ratio, model.drives.gear
+    added = gear * (guided._controls - plain._controls)[: 59 * n].reshape(-1, 6, 3)[:, :, 2]
+    path, period = guided._path, loaded.log_period
+    ends = np.arange(2 * n - 1, 59 * n, n)
+    speed = path.velocity[ends]
+    bend = (speed - path.velocity[ends - n + 1]) / period
+    forces = nominal.rigid_forces(start + path.position[ends], speed, bend)
+    rest = nominal.rigid_forces(start[None], 0.0 * speed[:1], 0.0 * speed[:1])
+    rigid = nominal.motor_torque(forces) - nominal.motor_torque(rest)
+    assert model.drives.friction_feedforward == 0.0
+    expected = model.drives.torque_feedforward * rigid
+    np.testing.assert_allclose(added[ends], expected, atol=1e-9 * np.abs(expected).max())
+    within = added[ends[0] + 1 :].reshape(-1, n, 6)
+    steps = np.diff(np.concatenate([added[ends[:-1]][:, None], within], axis=1), axis=1)
+    np.testing.assert_allclose(steps - steps[:, :1], 0.0, atol=1e-9 * np.abs(expected).max())

@@ -9,6 +9,7 @@ import pytest
 
 from armside.sim.laser import joint_bounds
 from armside.sim.laser.experiment import prepare
+from armside.sim.laser.joint_bounds import DRIVE, JointBounds
 from armside.sim.laser.part_cut import PartCut, sequence
 from armside.sim.motion import speed_profile
 from armside.sim.motion.tool_motion import joint_reference
@@ -63,6 +64,31 @@ def test_a_slow_joint_lowers_the_speed_where_it_needs_to(outline):
     use = np.abs(np.gradient(phi, motion.step, axis=0)) / np.array(slow.speed)
     assert use.max() <= 1.01
     assert use.max() >= 0.95
+
+
+def test_friction_takes_its_part_of_each_drive_at_the_motor(outline):
+    """Of the motor: Coulomb friction and viscous friction times its speed, all through the gear."""
+    model = cell_model(outline.cell, None)
+    drives = replace(model.drives, viscous_friction=np.full(6, 2e-3))  # of the assets: 0 to 4e-3
+    bounds = JointBounds(outline, Statics(model), outline.plane, outline.part.middle, speed=0.1)
+    slope = np.array([[0.4, -0.3, 0.2, 0.1, -0.2, 0.3]])
+    motor_speed = np.abs(drives.gear * slope * 0.1)
+    at_motor = DRIVE * drives.torque_limit - drives.coulomb_friction - 2e-3 * motor_speed
+    expected = np.abs(drives.gear) * at_motor
+    np.testing.assert_allclose(bounds._available(drives, slope), expected, rtol=1e-12)
+
+
+def test_a_plan_is_refused_where_a_joint_leaves_its_range(outline):
+    """At planning, before anything runs."""
+    limits = outline.cell.limits
+    phi = joint_reference(
+        sequence(outline, outline.plan, outline.plane), outline.cell.robot, limits
+    )
+    first = float(np.quantile(phi[:, 0], 0.8))
+    upper = (first, *limits.upper[1:])
+    narrow = replace(outline, robot=replace(outline.cell, limits=replace(limits, upper=upper)))
+    with pytest.raises(ValueError, match=r"leaves the joint limits .*: motor 1 "):
+        _ = narrow.plan
 
 
 @pytest.mark.parametrize("share", [1.0, 0.5])

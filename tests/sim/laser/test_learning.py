@@ -1,6 +1,8 @@
 """Learning a cut on the large robot: the story of thesis chapter 9, from Python."""
 
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from armside.sim.evaluation.tool_error import tool_error
 from armside.sim.laser import Cut, Design, MotorAngles, Pass, Source, ToolPath, learn, prepare
 from armside.sim.laser.design import default_design
 from armside.sim.laser.loop import MEASURES, first_run, iterate, measure_of
+from armside.sim.laser.results import status
 from armside.sim.part.carried import carried, follows
 from armside.sim.records.files import InputError
 
@@ -225,3 +228,19 @@ def test_a_correction_keeps_its_place_on_the_path_at_another_speed():
     assert not follows(slow, prepare(Cut(radius=0.006)).motion)
     with pytest.raises(ValueError, match="belongs to its path"):
         carried(np.hstack([at, at]), slow, prepare(Cut(radius=0.006)).motion)
+
+
+@pytest.mark.parametrize(
+    ("rms", "diverged", "of_tool", "end"),
+    [
+        ((1.0, 0.5), False, True, "done"),
+        ((1.0, 2.0), False, True, "worse"),
+        ((1.0, 2.0), False, False, "done"),  # its notes say so
+        ((1.0, 0.5), True, True, "diverged"),
+    ],
+)
+def test_a_run_that_learned_from_the_tool_and_made_it_worse_ends_so(rms, diverged, of_tool, end):
+    first, last = (SimpleNamespace(tool=SimpleNamespace(rms=r), diverged=False) for r in rms)
+    last.diverged = diverged
+    ended: Any = [first, last]
+    assert status(ended, of_tool=of_tool) == end

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
+from armside.sim.part.arcs import line
 from armside.sim.part.beam_path import compensated, smooth
 from armside.sim.part.curve import Kind
 from armside.sim.part.drawing import Reading
@@ -191,6 +192,18 @@ def test_corners_are_rounded_with_the_radius_that_is_asked_for(tmp_path):
     area = turn(cut).area
     w, h, r = 0.1 + 2e-4, 0.06 + 2e-4, 1e-3 + 1e-4
     assert area == pytest.approx(w * h - (4.0 - np.pi) * r**2, rel=1e-9)
+
+
+def test_corners_at_both_ends_of_a_short_side_share_it(tmp_path):
+    """Of 1 mm between two right angles, rounded by 2 mm if there were room: each takes 0.49 mm."""
+    chain = line((0.0, 0.0), (0.05, 0.0), (0.05, 0.001), (0.0, 0.001), (0.0, 0.0))
+    rounded = smooth(chain, 2e-3)
+    assert np.abs(rounded.kinks).max() < 1e-6
+    s = np.linspace(0.0, rounded.length, 2000)
+    assert rounded.point(s)[:, 1].min() > -1e-9  # nothing turns back outside of the side
+    heading = np.unwrap(rounded.direction(s))
+    assert (np.diff(heading) > -1e-9).all()  # and the path turns one way only
+    assert 1.0 / np.abs(rounded.curvature).max() == pytest.approx(0.49e-3, rel=1e-3)
 
 
 def test_many_contours_are_planned_in_seconds(tmp_path):

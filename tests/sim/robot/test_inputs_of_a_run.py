@@ -14,6 +14,7 @@ from armside import assets
 from armside.sim.robot.drives import friction_torque
 from armside.sim.robot.effects import Effect, with_effects
 from armside.sim.robot.model import load_model
+from armside.sim.robot.recording import saturation
 from armside.sim.robot.run import WATCHED
 from armside.sim.robot.servo import correction_path, interpolate
 from armside.sim.robot.statics import Statics
@@ -268,3 +269,13 @@ def test_a_load_is_refused_exactly_where_a_drive_cannot_hold_it(axis):
                 VirtualRobot(weak).load(still)
         else:
             VirtualRobot(weak).load(still)
+
+
+def test_notes_of_limits_name_the_axes_that_touched_them(loaded):
+    run = loaded.run(np.zeros_like(loaded.reference))
+    hit = (("torque", 2, 0.1), ("torque", 6, 0.3), ("joint", 1, 0.2))
+    texts = [note.text for note in saturation(replace(run, limits_hit=hit))]
+    assert texts == [
+        "drives saturate: torque limit of axis 2, 6",
+        "hard stop of axis 1 is reached",
+    ]

@@ -5,6 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from armside.sim.robot.individual import embodied, structure_hinges
+from armside.sim.twin.identification import Group, Solving
+from armside.sim.twin.parameters import FRICTION as OF_FRICTION
+from armside.sim.twin.parameters import MASS, Parameters
 from armside.sim.twin.recordings import measured
 from armside.sim.twin.sensitivities import Against
 
@@ -72,3 +75,22 @@ def test_a_compliance_softens_its_own_hinge(twin):
 
 def _factors(twin, theta):
     return replace(twin.parameters.individual(theta, twin.gear_phase), hidden=())
+
+
+def test_a_step_is_the_least_squares_solution_of_data_and_prior_together():
+    """With scales that are known: rows over their scale, and the distance from the prior's mean."""
+    rng, parameters = np.random.default_rng(3), Parameters((*OF_FRICTION, MASS))
+    m, scale = parameters.size, np.array([0.5, 2.0])
+    theta = parameters.mean + 0.1 * parameters.standard_deviation * rng.standard_normal(m)
+    A, b = rng.standard_normal((2, 20, m)), 0.02 * rng.standard_normal((2, 20))
+    groups = [Group(a.T @ a, a.T @ y, float(y @ y), len(y)) for a, y in zip(A, b, strict=True)]
+    solved = Solving(parameters, theta, least=scale, correlation=np.zeros(2)).solve(groups)
+    prior = np.diag(1.0 / parameters.standard_deviation)
+    rows = np.vstack([*(A / scale[:, None, None]), prior])
+    right = np.concatenate([*(b / scale[:, None]), prior @ (parameters.mean - theta)])
+    expected = np.linalg.lstsq(rows, right)[0]
+    assert ((theta + expected > parameters.lower) & (theta + expected < parameters.upper)).all()
+    np.testing.assert_allclose(solved.change, expected, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(
+        solved.covariance, np.linalg.inv(rows.T @ rows), rtol=1e-6, atol=1e-12
+    )

@@ -13,11 +13,13 @@ from armside.sim.laser.experiment import true_tool_error
 from armside.sim.motion.contour import slot, square
 from armside.sim.twin.commission import MOST, check, plan
 from armside.sim.twin.correction import learn_in_twin
-from armside.sim.twin.first_cut import refreshed
+from armside.sim.twin.first_cut import Refreshed, refreshed
 from armside.sim.twin.recordings import ImplausibleError, MeasuredCut, measured
 from armside.sim.twin.tool_sensor import TRACKER
 from armside.sim.twin.twin import FORMAT, Twin, TwinError, stored_twin
 
+HEAVY = 90.0
+"""[kg], 50 more than in the robot's file."""
 ELSEWHERE = Cut(pose=replace(LARGE_ROBOT_POSES["p2"], position=(1.7, -0.2, 1.5)), speed=0.05)
 
 
@@ -57,6 +59,24 @@ def test_feedback_of_one_run_finds_the_friction_that_has_drifted(twin, corrected
     worn = refreshed(twin, [measured(cut_by(replace(ELSEWHERE, friction_drift=0.6), 9)[1])])
     assert worn.advice is not None
     assert "friction of axis" in worn.advice
+
+
+def test_a_heavier_tool_that_is_known_is_not_taken_for_friction(twin, cut_by):
+    run = measured(cut_by(replace(ELSEWHERE, payload=HEAVY), 9)[1])
+    known, unknown = refreshed(twin, [run], HEAVY), refreshed(twin, [run])
+    assert known.twin.friction == pytest.approx(1.0, abs=0.05)
+    assert known.growth.max() < 2.5
+    assert np.abs(unknown.twin.friction - 1.0).max() > 0.5
+    assert unknown.advice is not None
+
+
+@pytest.mark.parametrize(
+    ("factor", "said"), [(0.7, "axis 2 is 0.70 times"), (1.4, "axis 2 is 1.40 times"), (0.8, "")]
+)
+def test_friction_that_rose_or_fell_by_more_than_three_tenths_is_reported(twin, factor, said):
+    friction = np.array([1.0, factor, 1.0, 1.1, 0.9, 1.0])
+    advice = Refreshed(twin=replace(twin, friction=friction), growth=np.ones(6)).advice
+    assert said in advice if said else advice is None
 
 
 def test_a_saved_twin_is_the_same_twin(twin, tmp_path, corrected):
