@@ -61,7 +61,8 @@ def test_a_model_free_law_of_a_paper_learns_two_axes_through_egm(place):
     law = f"{EXAMPLES / 'adjoint.py'}:Adjoint"
     with served("egm") as plant:
         words = ("--plant", plant, "--reference", "path.csv", "--laws", law, "--iterations", 2)
-        (row,) = learned(*words, "--out", "a")["laws"]
+        steps = ("--beyond", "speed", "acceleration")  # errors backwards begin with one
+        (row,) = learned(*words, *steps, "--out", "a")["laws"]
     assert row["error_two"][-1] < 0.7 * row["error_two"][0]
     assert not row["diverged"]
 
@@ -70,13 +71,14 @@ def test_a_model_free_law_of_a_paper_learns_two_axes_through_egm(place):
 def test_updates_and_as_many_more_over_a_protocol_are_those_at_once(protocol, place):
     n, law = 2, "heuristic:gamma=0.7,delta=6,cutoff=15"
     of_path = ("--reference", "path.csv") if protocol == "egm" else ()
+    steps = ("--beyond", "speed", "acceleration")  # the path moves at once
     with served(protocol) as plant:
-        words = ("--plant", plant, *of_path, "--laws", law)
+        words = ("--plant", plant, *of_path, "--laws", law, *steps)
         whole = learned(*words, "--iterations", 2 * n, "--out", "once")
     with served(protocol) as plant:
         words = ("--plant", plant, *words[2:])
         learned(*words, "--iterations", n, "--out", "first")
-        more = learned("--from", "first", "--iterations", n, "--out", "more")
+        more = learned("--from", "first", *steps, "--iterations", n, "--out", "more")
     assert more["started_from"]["how"] == "its last runs"
     assert more["laws"][0]["error_two"] == whole["laws"][0]["error_two"][n + 1 :]
     names = [next(Path(name).glob("correction-1-*.csv")) for name in ("once", "more")]
