@@ -84,7 +84,8 @@ def test_rsi_messages_hold_the_correction_in_degrees(export, last):
     axes = [line.findall("AKorr")[0].attrib for line in lines]
     said = [[float(axis[f"A{i}"]) for i in range(1, 7)] for axis in axes]
     np.testing.assert_array_equal(said, np.rad2deg(last.correction))
-    assert [line.findtext("IPOC") for line in lines[:3]] == ["0", "4", "8"]
+    clock = 1e-3 * np.array([float(line.findtext("IPOC")) for line in lines])
+    np.testing.assert_allclose(clock, last.time - last.time[0], rtol=0, atol=1e-9)
 
 
 def test_egm_messages_hold_the_joint_path_in_degrees(export, last):
@@ -92,11 +93,14 @@ def test_egm_messages_hold_the_joint_path_in_degrees(export, last):
 
     assert export("cut", "--what", "joint-path", "--to", "egm") == 0
     kind, data, found = _messages()[1], Path("joint-path.egm").read_bytes(), []
+    clock = []
     while data:
         size, data = data[0], data[1:]  # below 128: one byte of varint
         message, data = kind.FromString(data[:size]), data[size:]
         found.append(list(message.planned.joints.joints))
+        clock.append((message.header.seqno, message.header.tm))
     np.testing.assert_array_equal(found, np.rad2deg(last.reference + last.correction))
+    assert clock == [(1 + i, 4 * i) for i in range(len(last.time))]
 
 
 def test_learning_starts_from_a_correction_in_a_file(export, place, capsys):
