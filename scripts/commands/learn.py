@@ -39,12 +39,12 @@ def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
             by_hand = is_folder(cfg)
             followed = None if before is None else before.followed
             task = None if by_hand else named_task(cfg, common.seed, followed)
-            if task is not None:
-                _check_laws(cfg, task, before)
         if task is None:
             _by_hand(cfg, common, report)
             return
         with closing(task):
+            with checking_input():
+                _check_laws(cfg, task, before)
             runs = _runs(cfg, common, task, before, report)
             record = (task.reference, task.sample_time)
             loci = _loci(cfg, task)

@@ -5,6 +5,7 @@ import threading
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from armside.ilc.workbench.signals import write_signal
@@ -83,3 +84,17 @@ def test_updates_and_as_many_more_over_a_protocol_are_those_at_once(protocol, pl
     assert more["laws"][0]["error_two"] == whole["laws"][0]["error_two"][n + 1 :]
     names = [next(Path(name).glob("correction-1-*.csv")) for name in ("once", "more")]
     assert names[0].read_bytes() == names[1].read_bytes()
+
+
+def test_a_start_beyond_the_gate_is_refused_and_so_is_a_law_that_grows_there(place, capsys):
+    """Bad input before anything is sent; a failure where the law comes to it, in one line each."""
+    write_signal(place / "wild.csv", np.full_like(path(), 1e6), 0.004, "correction")
+    with served("rsi") as plant:
+        words = ["learn", "--plant", plant, "--iterations", "3", "--quiet", "--out", "a"]
+        assert main([*words, "--from", "wild.csv"]) == 2
+        assert main([*words, "--laws", "heuristic:gamma=100,delta=0,cutoff=15"]) == 1
+    start, grown = capsys.readouterr().err.splitlines()
+    for said in (start, grown):
+        assert said.startswith("armside: size: the correction of axis 1 must be within 5 deg")
+        assert said.endswith("lets it through; nothing was sent")
+    assert not (place / "a").exists()
