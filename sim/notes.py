@@ -5,6 +5,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import Enum
 
+GROWTH = 1.05
+"""Error of the tool over that at k = 0 from which on it is noted: above the tracker's noise."""
+
 
 class Cause(Enum):
     """Cause of a note."""

@@ -2,11 +2,14 @@
 
 import importlib.util
 import inspect
+import io
+import os
 import sys
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -20,6 +23,8 @@ from .words import Words, guessed, unknown_name
 
 LARGEST_FILE = 10_000_000
 """[bytes], of a user's Python file."""
+ENDS = ("_exit", "execv", "execve")
+"""Functions of `os` after which nothing of this process runs."""
 _NUMBER = count()
 
 
@@ -32,13 +37,52 @@ def in_code_of(file: Path) -> Iterator[None]:
     """Whatever the block raises in code of that file becomes OwnCodeError.
 
     The line named is the innermost one of the file itself; a call into a library counts there.
+    Working folder, stdout, loaded modules and the end of this process are not the block's: what it
+    prints goes to stderr.
     """
     try:
-        yield
-    except OwnCodeError:
+        with _apart():
+            yield
+    except (OwnCodeError, KeyboardInterrupt):
         raise
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
         raise OwnCodeError(f"{file}{_line(error, file)}: {_said(error)}") from error
+
+
+class _Stderr(io.TextIOBase):
+    """Stream to stderr that may be closed without closing that."""
+
+    def write(self, text: str, /) -> int:
+        return sys.stderr.write(text)
+
+
+@contextmanager
+def _apart() -> Iterator[None]:
+    folder, modules, loaded = os.getcwd(), sys.modules, dict(sys.modules)
+    stdout, stderr, process = sys.stdout, sys.stderr, os.getpid()
+    ends = {name: getattr(os, name) for name in ENDS}
+
+    def barred(name: str, *given: Any) -> Any:
+        if os.getpid() != process:  # of a worker that the code has forked
+            return ends[name](*given)
+        raise RuntimeError(f"os.{name} would end armside")
+
+    stdout.flush()
+    descriptor = os.dup(1)
+    try:
+        os.dup2(2, 1)  # of programs that the code starts
+        sys.stdout = _Stderr()
+        for name in ENDS:
+            setattr(os, name, partial(barred, name))
+        yield
+    finally:
+        for name, end in ends.items():
+            setattr(os, name, end)
+        sys.stdout, sys.stderr, sys.modules = stdout, stderr, modules
+        os.dup2(descriptor, 1)
+        os.close(descriptor)
+        modules.update(loaded)
+        os.chdir(folder)
 
 
 def _line(error: BaseException, file: Path) -> str:

@@ -81,6 +81,10 @@ def _nothing_to_close() -> None:
     pass
 
 
+def _anything(correction: Array) -> None:
+    pass
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Task:
     """Plant of a comparison. `start` makes it anew for each law, in the same initial state."""
@@ -109,6 +113,8 @@ class Task:
     design: tuple[float, int] | None = None
     """Default gamma and delta; None: proposed for the model."""
 
+    check: Callable[[Array], None] = _anything
+    """Raises ValueError for a correction (N, n) that the plant would not take."""
     close: Callable[[], None] = _nothing_to_close
     """Gives back what the plant holds, such as a connection."""
 

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 OWN = re.compile(r"(?P<file>.+\.py):(?P<name>[A-Za-z_]\w*)(?::(?P<rest>.*))?", re.DOTALL)
+SEPARATOR = re.compile(r",|:(?=\s*[A-Za-z_]\w*\s*=)")
+"""A comma, or a colon before the next key=value."""
 WORD = re.compile(r"(?P<name>[^:]*)(?::(?P<rest>.*))?", re.DOTALL)
 
 
@@ -28,7 +30,7 @@ class Words:
         found = own or WORD.fullmatch(text)
         assert found is not None, text  # WORD takes every text
         parameters: dict[str, str] = {}
-        for part in filter(None, (found["rest"] or "").split(",")):
+        for part in filter(None, SEPARATOR.split(found["rest"] or "")):
             key, equals, value = (each.strip() for each in part.partition("="))
             if not (key.isidentifier() and equals and value):
                 raise ValueError(f"parameters are written key=value,key=value, got {part!r}")

@@ -15,7 +15,7 @@ from ..robot_file import Arm
 from .error_model import DH, ErrorModel
 from .fit import Choice, Fit, Priors, fit
 from .joint_errors import JointErrors
-from .measurements import Measurements, split_by_pose
+from .measurements import Measurements, split_by_pose, unique_poses
 from .plausibility import Region, check, region
 from .selection import Identifiable, identifiable
 
@@ -166,7 +166,7 @@ def prepare(
     """
     check(arm.robot, arm.limits, data)
     rng = np.random.default_rng(seed)
-    n_unique = len(np.unique(np.round(data.phi, 6), axis=0))
+    n_unique = int(unique_poses(data.phi).max()) + 1
     fraction = cfg.fraction if cfg.poses is None else min(cfg.poses / n_unique, 0.99)
     own, others = split_by_pose(data.phi, fraction, None if cfg.in_order else rng)
     fitted, held_out = data[own], data[others]

@@ -65,15 +65,19 @@ class Measurements:
 
 
 def unique_poses(phi: Array) -> NDArray[np.intp]:
-    """Number of the pose of each row (N,), in order of appearance; repeats have the same one."""
-    seen, number = np.unique(
-        np.round(phi / SAME_POSE).astype(np.int64), axis=0, return_inverse=True
-    )
-    first = np.full(len(seen), len(phi))
-    np.minimum.at(first, number.ravel(), np.arange(len(phi)))
-    rank = np.empty(len(seen), dtype=np.intp)
-    rank[np.argsort(first)] = np.arange(len(seen))
-    return rank[number.ravel()]
+    """Number of the pose of each row (N,), in order of appearance; repeats have the same one.
+
+    A repeat is near the first row of its pose, so that a slow motion is not all one pose.
+    """
+    from scipy.spatial import KDTree
+
+    near = KDTree(phi).query_ball_point(phi, SAME_POSE, p=np.inf)
+    number, count = np.full(len(phi), -1), 0
+    for row, rows in enumerate(near):
+        if number[row] < 0:
+            number[[other for other in rows if number[other] < 0]] = count
+            count += 1
+    return number
 
 
 def split_by_pose(

@@ -8,7 +8,7 @@ workspace is not known in another.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import chain, combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,15 @@ ALONE = 0.3
 """Motion of the other targets, relative to that of one, up to which it alone is said to move."""
 UNITS = {"millimetres": 1e-3, "centimetres": 1e-2, "inches": 0.0254, "kilometres": 1e3}
 """[m]"""
+MIRRORED = {
+    "x and y swapped": ((0.0, 1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
+    "y and z swapped": ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)),
+    "x and z swapped": ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)),
+    "the sign of x reversed": ((-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+    "the sign of y reversed": ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0)),
+    "the sign of z reversed": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, -1.0)),
+}
+"""Left-handed frames, symmetric matrices."""
 OUT_OF_RANGE = 1.1
 """Motor angle relative to its limit from which the unit is doubted."""
 
@@ -131,8 +140,9 @@ def _fits(robot: Robot, data: Measurements) -> None:
     if rms < MISFIT * reach:
         return
     text = f"the data do not fit {robot.name}: {1e3 * rms:.3g} mm RMS after registration"
-    for mistake, phi in _mistakes(data.phi):
-        if (left := _misfit(pose, replace(data, phi=phi))) < EXPLAINED * rms:
+    others = ((mistake, replace(data, phi=phi)) for mistake, phi in _mistakes(data.phi))
+    for mistake, changed in chain(others, (_mirrored(pose, data),)):
+        if (left := _misfit(pose, changed)) < EXPLAINED * rms:
             raise ValueError(f"{text}, {1e3 * left:.3g} mm with {mistake}")
     raise ValueError(text)
 
@@ -159,6 +169,17 @@ def _mistakes(phi: Array) -> Iterator[tuple[str, Array]]:
         yield f"motors {i + 1} and {j + 1} swapped", phi[:, order]
     for i, sign in enumerate(1.0 - 2.0 * np.eye(phi.shape[1]), 1):
         yield f"the sign of motor {i} reversed", phi * sign
+
+
+def _mirrored(pose: PoseFunction, data: Measurements) -> tuple[str, Measurements]:
+    """The data in a mirrored frame. All fit alike, as a rotation is between any two: that is named
+    whose axes are nearest to those of the base."""
+    T = pose(data.phi)
+    changed = {
+        name: replace(data, points=data.points @ np.array(M)) for name, M in MIRRORED.items()
+    }
+    name = max(changed, key=lambda name: float(np.trace(register(T, changed[name]).R)))
+    return f"the frame of the targets mirrored, {name}", changed[name]
 
 
 def _misfit(pose: PoseFunction, data: Measurements) -> float:

@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, cast, get_args
@@ -11,6 +12,8 @@ from cyclopts import Parameter
 
 from armside.sim.controller import correction_export
 from armside.sim.controller.correction_export import RATES, Form
+from armside.sim.controller.gate import Beyond, GateError, exceeded, let_through
+from armside.sim.controller.limits import GuidanceLimits
 from armside.sim.controller.stored_correction import StoredCorrection, stored_correction
 from armside.sim.records.atomic import write_bytes
 from armside.sim.records.files import check_file_to_write
@@ -21,7 +24,7 @@ from armside.sim.robot_file.find import find_cell, load_robot
 
 from ..shell.console import Report, keep
 from ..shell.errors import InputError, checking_input, needs
-from ..shell.options import Common, FileToWrite, Limits, options
+from ..shell.options import SOME, Common, FileToWrite, Limits, options
 
 if TYPE_CHECKING:
     from armside.arrays import Array
@@ -64,14 +67,17 @@ class ExportCfg:
     """Of a run: file to write [default: WHAT.TO here]."""
     law: str | None = None
     """Of a run of learn with several laws: the law."""
+    beyond: Annotated[tuple[Beyond, ...], SOME] = ()
+    """Of a run: what is written although the gate before a robot would hold it back; the file says
+    so (docs/controllers.md)."""
 
     def __post_init__(self) -> None:
         Limits(*RATES, "Hz").check("rate", self.rate)
 
     def of_robot(self) -> "ExportCfg":
         """With the defaults for a robot. Raises ValueError for options of a run."""
-        for name in ("rate", "file", "law"):
-            if getattr(self, name) is not None:
+        for name in ("rate", "file", "law", "beyond"):
+            if getattr(self, name):
                 raise ValueError(f"--{name} is of a run: give its folder")
         made = replace(
             self,
@@ -166,12 +172,16 @@ def _export_correction(report: Report, run: Path, cfg: ExportCfg, common: Common
         check_file_to_write(file)
         stored = stored_correction(read_run(run), cfg.law)
         rate = cfg.rate or (CYCLE if cfg.to in FORM_OF else 1.0 / stored.sample_time)
+        cell = _cell(cfg, stored)
+        beyond, notes = _let_through(run, cfg, stored, cell)
         joints = correction_export.joint_values(stored, cast(Form, cfg.what), rate)
-        names = _write(file, cfg, stored, joints, rate)
+        names = _write(file, cfg, stored, joints, rate, cell, beyond)
     found = {"run": run, "written": file, "largest": float(np.abs(stored.correction).max())}
     found |= {"k": stored.k, "law": stored.law, "rate": rate, "samples": len(joints)}
+    found["notes"] = notes = [*beyond, *notes]
     outcome = summary("export", cfg, common, **found)
     keep(outcome, common)
+    report.notes(notes)
     report.line(f"{file}: {len(joints)} samples of {names} at {rate:g} Hz, k = {stored.k}")
     report.summary(outcome)
 
@@ -189,17 +199,50 @@ def _cell(cfg: ExportCfg, stored: StoredCorrection) -> "Cell | None":
         return None
 
 
+def _let_through(
+    run: Path, cfg: ExportCfg, stored: StoredCorrection, cell: "Cell | None"
+) -> tuple[list[str], list[str]]:
+    """What the gate lets through by its name, and notes on what it could not check.
+
+    Raises InputError for what it holds back.
+    """
+    found, unchecked = dict(stored.ended), list[str]()
+    if stored.unit != "rad" and cfg.robot is None:
+        unchecked.append("of an own plant: neither the correction nor a range is checked")
+    else:
+        limits = None if cell is None else GuidanceLimits.of_cell(cell)
+        found |= exceeded(
+            stored.correction,
+            stored.sample_time,
+            path=stored.reference,
+            limits=limits,
+            slides=() if cell is None else cell.robot.slides,
+        )
+        if cell is None:
+            unchecked.append("no robot is known: ranges and speeds of its joints are not checked")
+    try:
+        return let_through(found, cfg.beyond), unchecked
+    except GateError as error:
+        raise InputError(f"{run}: {error}") from error
+
+
 def _write(
-    file: Path, cfg: ExportCfg, stored: StoredCorrection, joints: "Array", rate: float
+    file: Path,
+    cfg: ExportCfg,
+    stored: StoredCorrection,
+    joints: "Array",
+    rate: float,
+    cell: "Cell | None",
+    beyond: Sequence[str],
 ) -> str:
     """Write the file. Words for what it holds."""
-    cell, to, form = _cell(cfg, stored), str(cfg.to), cast(Form, cfg.what)
+    to, form = str(cfg.to), cast(Form, cfg.what)
     unit = stored.unit if cfg.robot is None else "rad"
     units = correction_export.units_of(cell, joints.shape[1], unit)
     if to in FORM_OF:
         if set(units) != {"rad"}:
             raise InputError(f"{to} messages hold angles, these axes have {', '.join(units)}")
-        write_bytes(file, _messages(to, joints))
+        write_bytes(file, _messages(to, joints, beyond))
         return f"{joints.shape[1]} axes [deg]"
     if form != "tool-path":
         found = correction_export.joint_columns(joints, form, units)
@@ -208,13 +251,14 @@ def _write(
     else:
         found = correction_export.tool_columns(joints, cell)
     about: dict[str, Any] = {"form": form, "rate": rate, "k": stored.k, "law": stored.law}
+    about |= {"beyond": beyond} if beyond else {}
     notes = {key: json.dumps(value) for key, value in about.items()}
     write_table(file, correction_export.table(found, rate, notes))
     return f"{len(found)} columns"
 
 
-def _messages(protocol: str, joints: "Array") -> bytes:
+def _messages(protocol: str, joints: "Array", beyond: Sequence[str]) -> bytes:
     if protocol == "rsi":
-        return correction_export.rsi_lines(joints)
+        return correction_export.rsi_lines(joints, beyond)
     with needs("controllers", "EGM", "protobuf"):
         return correction_export.egm_messages(joints)

@@ -28,6 +28,7 @@ def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
     state.npz (for --from) and summary.json.
     """
     from armside.ilc.workbench.own import OwnCodeError
+    from armside.sim.controller.gate import GateError
 
     from ..workbench.plant_option import is_folder, named_task
 
@@ -38,16 +39,16 @@ def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
             by_hand = is_folder(cfg)
             followed = None if before is None else before.followed
             task = None if by_hand else named_task(cfg, common.seed, followed)
-            if task is not None:
-                _check_laws(cfg, task, before)
         if task is None:
             _by_hand(cfg, common, report)
             return
         with closing(task):
+            with checking_input():
+                _check_laws(cfg, task, before)
             runs = _runs(cfg, common, task, before, report)
             record = (task.reference, task.sample_time)
             loci = _loci(cfg, task)
-    except OwnCodeError as error:
+    except (OwnCodeError, GateError) as error:
         raise RunFailed(str(error)) from error
     _finish(cfg, common, report, runs, record, before, loci)
 
@@ -71,6 +72,8 @@ def _check_laws(cfg: LearnCfg, task: "Task", before: Starts | None) -> None:
         if start is not None and start.shape != task.reference.shape:
             shapes = f"{start.shape}, this task needs {task.reference.shape}"
             raise ValueError(f"the correction of {cfg.start} has the shape {shapes}")
+        if start is not None:
+            task.check(start)
 
 
 def _runs(

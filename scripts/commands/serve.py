@@ -61,8 +61,9 @@ class ServeCfg:
 def serve(*, cfg: ServeCfg = ServeCfg(), common: Common = Common()) -> None:
     """Put the virtual robot behind a robot controller's protocol, for any client that speaks it.
 
-    Each run starts at rest at the program's start, with the first answer of the client. Writes
-    summary.json.
+    Each run starts at rest at the program's start, with the first answer of the client. Prints a
+    line for each new client and run, and for the first of each kind of message that is refused or
+    none of the protocol; with --real-time between runs. Writes summary.json.
     """
     report = Report(common)
     records = list[dict[str, Any]]()
@@ -74,7 +75,7 @@ def serve(*, cfg: ServeCfg = ServeCfg(), common: Common = Common()) -> None:
     host, port = server.client
     pace = "in real time" if cfg.real_time else "as fast as the client answers"
     report.line(f"Speaking {cfg.protocol.upper()} to {host}:{port}, {pace}. Ctrl-C ends it.")
-    interrupted = _run(cfg, server, controller)
+    interrupted = _run(cfg, server, controller, _news(report, server, controller, records))
     outcome = summary(
         "serve",
         cfg,
@@ -97,8 +98,6 @@ def serve(*, cfg: ServeCfg = ServeCfg(), common: Common = Common()) -> None:
     report.table("Runs", columns, rows[-20:])
     if cfg.real_time:
         report.line(_of_time(server))
-    for reason in [*server.wrong, *controller.refusals][:10]:
-        report.line(f"Note: refused: {reason}")
     report.results(outcome, folder.path)
 
 
@@ -108,7 +107,36 @@ def _of_time(server: "Server") -> str:
     return said if server.prioritised else f"{said} (the system grants no real-time priority)"
 
 
-def _run(cfg: ServeCfg, server: "Server", controller: "VirtualController") -> bool:
+def _news(
+    report: Report, server: "Server", controller: "VirtualController", runs: list[dict[str, Any]]
+) -> Callable[[], None]:
+    """Prints what has come since the last call, a line each."""
+    sources = (
+        (server.clients, lambda client: f"Client at {client[0]}:{client[1]}"),
+        (server.wrong, lambda reason: f"Not a message: {reason}"),
+        (controller.refusals, lambda reason: f"Refused: {reason}"),
+        (runs, _told),
+    )
+    printed = [0] * len(sources)
+
+    def news() -> None:
+        for i, (found, line) in enumerate(sources):
+            report.lines(line(one) for one in found[printed[i] :])
+            printed[i] = len(found)
+
+    return news
+
+
+def _told(run: Any) -> str:
+    lost = f"{run['missed']} answers lost, late or refused"
+    end = "; the client fell silent" if run["abandoned"] else ""
+    rms = f"motor error RMS {1e3 * run['motor_rms']:.4g} mrad"
+    return f"Run of {run['seconds']:.4g} s: {rms}, {lost}{end}"
+
+
+def _run(
+    cfg: ServeCfg, server: "Server", controller: "VirtualController", news: Callable[[], None]
+) -> bool:
     """Serve to the end that the options name. True if Ctrl-C ended it."""
     from armside.sim.controller import Phase
 
@@ -116,6 +144,8 @@ def _run(cfg: ServeCfg, server: "Server", controller: "VirtualController") -> bo
 
     def over() -> bool:
         nonlocal heard
+        if controller.phase is Phase.WAITING or not cfg.real_time:
+            news()
         if controller.phase is not Phase.WAITING:
             heard = time.monotonic()
         elif cfg.idle is not None and time.monotonic() - heard > cfg.idle:
@@ -126,6 +156,8 @@ def _run(cfg: ServeCfg, server: "Server", controller: "VirtualController") -> bo
         server.serve(over)
     except KeyboardInterrupt:
         return True
+    finally:
+        news()
     return False
 
 
@@ -170,7 +202,9 @@ def _controller(
         program = Hold(start=loaded.reference[0], seconds=cfg.seconds)
         controller = VirtualController.standing(loaded.model, made.cell, program, rng)
     guided = words.name == "hold"
-    controller.on_end = lambda run, missed: keep(_row(run, missed, guided))
+    controller.on_end = lambda run, missed: keep(
+        _row(run, missed, guided) | {"abandoned": controller.abandoned}
+    )
     return controller
 
 

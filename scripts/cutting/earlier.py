@@ -19,7 +19,7 @@ from ..shell.options import Common, options
 
 STATE, KEY = "state.npz", "learning"
 """File with the states that a run can be gone on from, and the entry of a run with one loop."""
-FREE = ("iterations", "repetitions", "plan_only", "imu", "wait", "start")
+FREE = ("iterations", "repetitions", "plan_only", "imu", "wait", "start", "beyond")
 """Options that a run does not take over from an earlier one."""
 BY_AXIS = "Axis by axis, arm-side angles of the motors at the same place of the contour"
 """Rule by which a correction is taken to another robot."""

@@ -86,6 +86,7 @@ def _judged(one: Judgement) -> dict[str, Any]:
         "sensor_ratio": one.sensor,
         "sham_sensor_ratio": one.sham_sensor,
         "tool": one.tool,
+        "unjudged": one.unjudged,
         "sham_tool": one.sham_tool,
         "smoothed": one.smoothed,
         "bands": one.bands,

@@ -65,10 +65,13 @@ def whole_port(value: float, least: int = 0) -> int:
     return int(value)
 
 
-def controller_task(words: Words, record: Any, followed: Path | None = None) -> "Task":
+def controller_task(
+    words: Words, record: Any, followed: Path | None = None, beyond: tuple[str, ...] = ()
+) -> "Task":
     """Task on the controller that speaks to us: its program, or the path of --reference.
 
     followed: file with the path of an earlier run, so that the program is not listened to again.
+    beyond: names that the gate lets through.
 
     Raises ValueError, TimeoutError when no controller speaks.
     """
@@ -86,7 +89,7 @@ def controller_task(words: Words, record: Any, followed: Path | None = None) -> 
             path = file_reference(Path(record.reference or str(followed)), None, LOG_PERIOD)
         else:
             path = program_of(speaking)
-        plant = StreamedPlant(speaking, path)
+        plant = StreamedPlant(speaking, path, beyond=beyond)
     except BaseException:
         speaking.close()
         raise
@@ -95,6 +98,7 @@ def controller_task(words: Words, record: Any, followed: Path | None = None) -> 
         reference=plant.path,
         sample_time=LOG_PERIOD,
         start=lambda repetition: plant,
+        check=plant.check,
         close=speaking.close,
         model=record.model,
     )

@@ -12,6 +12,7 @@ from armside.arrays import Array
 from armside.ilc.workbench.compare import LawRun, RunState, save_states
 from armside.ilc.workbench.signals import write_signal
 from armside.sim.controller.stored_correction import REFERENCE
+from armside.sim.notes import GROWTH
 
 from ..cutting.earlier import STATE
 from ..shell.console import Report
@@ -132,8 +133,6 @@ def of_the_tool(runs: Sequence[LawRun]) -> list[str]:
     measured = [run for run in runs if run.measures and TOOL in run.measures[0]]
     if not measured:
         return []
-    from armside.sim.laser.results import GROWTH
-
     ends = [(run.measures[0][TOOL], run.measures[-1][TOOL], run.law) for run in measured]
     worse = [each for each in ends if each[1] > GROWTH * each[0]]
     if not worse:

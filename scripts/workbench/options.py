@@ -6,7 +6,9 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..shell.options import SEVERAL, FileToRead, Limits, check_limits, options
+from armside.sim.controller.gate import Beyond
+
+from ..shell.options import SEVERAL, SOME, FileToRead, Limits, check_limits, options
 
 SAMPLE_TIME = Limits(1e-9, 1e6, "s")
 LIMITS = {
@@ -53,6 +55,8 @@ class LearnCfg:
     """Repetitions with other noise; the table shows the mean."""
     wait: float = 0.0
     """Seconds to wait for each log in a folder, before leaving it for later."""
+    beyond: Annotated[tuple[Beyond, ...], SOME] = ()
+    """On a controller: what is sent although the gate would hold it back (docs/controllers.md)."""
     start: Annotated[Path | None, Parameter(name="--from")] = None
     """Folder of an earlier run. Options not given are that run's; with none changed learning goes
     on where it ended, otherwise it starts from its corrections. Or a file with a correction, as

@@ -47,6 +47,8 @@ def named_task(cfg: LearnCfg, seed: int, followed: Path | None = None) -> "Task"
         sample_time=cfg.sample_time,
         model=model,
     )
+    if cfg.beyond and words.name not in PROTOCOLS:
+        raise ValueError(f"beyond is of a controller, {' or '.join(PROTOCOLS)}: leave it out")
     robot = words.name in ROBOTS or words.name.endswith(".toml")
     if words.file:
         task = plants.own_plant(words, record, seed)
@@ -55,7 +57,7 @@ def named_task(cfg: LearnCfg, seed: int, followed: Path | None = None) -> "Task"
     elif robot:
         task = _robot(words, cfg, record, seed)
     elif words.name in PROTOCOLS:
-        task = controller_task(words, record, followed)
+        task = controller_task(words, record, followed, cfg.beyond)
     else:
         task = plants.model_task(_model_file(cfg.plant), record)
     runs = len(cfg.laws) * len(cfg.noise) * cfg.repeats * (cfg.iterations + 1)

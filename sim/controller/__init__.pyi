@@ -3,6 +3,7 @@ from .client import Egm as Egm
 from .client import Rsi as Rsi
 from .controller import Hold as Hold
 from .controller import VirtualController as VirtualController
+from .gate import GateError as GateError
 from .limits import GuidanceLimits as GuidanceLimits
 from .messages import Answer as Answer
 from .messages import Phase as Phase

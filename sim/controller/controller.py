@@ -98,6 +98,11 @@ class VirtualController:
         loaded = robot.load(np.tile(program.start, (count, 1)))
         return cls(loaded, cell, rng, guiding=nominal)
 
+    @property
+    def abandoned(self) -> bool:
+        """The client of this run fell silent."""
+        return self._silent >= self.silence
+
     def state(self) -> State:
         """The message of this cycle."""
         run = self._run

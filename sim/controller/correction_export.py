@@ -110,13 +110,19 @@ def _continuous(quaternion: Array) -> Array:
     return quaternion * np.concatenate(([1.0], np.cumprod(sign)))[:, np.newaxis]
 
 
-def rsi_lines(correction: Array) -> bytes:
+def rsi_lines(correction: Array, beyond: Sequence[str] = ()) -> bytes:
     """Corrections (M, n) [rad] for RSI, a sample each cycle.
 
     One `Sen` element a line, with the axis corrections AKorr [deg]. IPOC counts from zero: a sender
     replaces it by that of the message it answers.
+
+    beyond: what the gate has let through by its name, an XML comment each, in lines of their own
+    before the first message.
     """
-    return b"".join(line + b"\n" for line in _answers(RsiWire(), correction, additive=True))
+    comments = "".join(f"<!-- {line} -->\n" for line in beyond)
+    return comments.encode() + b"".join(
+        line + b"\n" for line in _answers(RsiWire(), correction, additive=True)
+    )
 
 
 def egm_messages(joints: Array) -> bytes:

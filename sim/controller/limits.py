@@ -5,14 +5,16 @@ limit allows, and slow enough near the end of a range to stop before it.
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from armside.arrays import Array
 from armside.kinematics import Limits
 
-from ..cell import Cell
-from ..robot.model import RobotModel
+if TYPE_CHECKING:
+    from ..cell import Cell
+    from ..robot.model import RobotModel
 
 STOPPING_TIME = 0.2
 """[s], in which a joint stops from its highest speed. ESTIMATE: stop category 1 of such arms takes
@@ -38,7 +40,15 @@ class GuidanceLimits:
     """Ranges of sums of motor angles beside those of each."""
 
     @classmethod
-    def of(cls, model: RobotModel, cell: Cell | None = None) -> "GuidanceLimits":
+    def of_cell(cls, cell: "Cell") -> "GuidanceLimits":
+        """Limits of a cell alone."""
+        lower, upper, speed = map(
+            np.array, (cell.limits.lower, cell.limits.upper, cell.limits.speed)
+        )
+        return cls(lower=lower, upper=upper, speed=speed, joints=cell.limits)
+
+    @classmethod
+    def of(cls, model: "RobotModel", cell: "Cell | None" = None) -> "GuidanceLimits":
         """Limits of a robot's model, and those of its cell where they are narrower."""
         lower, upper = model.joint_range.T
         speed = model.drives.speed_limit
@@ -55,16 +65,24 @@ class GuidanceLimits:
             return f"needs {len(before)} axes, got {target.size}"
         if not np.isfinite(target).all():
             return "holds values that are not finite"
-        below, above = target - self.lower, self.upper - target
-        if (axis := _first(np.minimum(below, above) < 0.0)) is not None:
+        return self.out_of_range(target) or self.too_fast(target, before)
+
+    def out_of_range(self, target: Array) -> str | None:
+        """Why a target (n,) [rad] is outside the ranges; None if it is inside."""
+        if (axis := _first((target < self.lower) | (target > self.upper))) is not None:
             low, high = np.rad2deg((self.lower[axis], self.upper[axis]))
             got = np.rad2deg(target[axis])
             return f"axis {axis + 1} must be {low:.6g} to {high:.6g} deg, got {got:.6g}"
         if self.joints is not None and not self.joints.contain(target):
             return "is outside the range of coupled axes"
+        return None
+
+    def too_fast(self, target: Array, before: Array) -> str | None:
+        """Why a target (n,) [rad] is too far from `before`, a period ago; None if it is not."""
         speed = (target - before) / self.period
-        room = np.where(speed > 0.0, above, below)
-        allowed = np.minimum(self.speed, np.sqrt(2.0 * self.speed / STOPPING_TIME * room))
+        room = np.where(speed > 0.0, self.upper - target, target - self.lower)
+        stopping = np.sqrt(2.0 * self.speed / STOPPING_TIME * np.maximum(room, 0.0))
+        allowed = np.minimum(self.speed, stopping)
         if (axis := _first(np.abs(speed) > allowed * (1.0 + ROUNDING) + 1e-9)) is not None:
             got, most = np.rad2deg((abs(speed[axis]), allowed[axis]))
             return f"axis {axis + 1} must be at most {most:.6g} deg/s fast here, got {got:.6g}"

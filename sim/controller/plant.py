@@ -10,6 +10,7 @@ from armside.ilc.records import records
 
 from .client import Connection
 from .controller import VirtualController
+from .gate import GateError, check_names, exceeded, let_through
 from .limits import GuidanceLimits
 from .messages import Answer, Phase, State
 
@@ -57,15 +58,17 @@ class StreamedPlant:
     With absolute angles (EGM) the robot is moved to the start of the path first, where it stands
     elsewhere. With corrections (RSI) the path is the controller's program.
 
-    Raises ValueError for a path, or a correction in `run`, that leaves the limits: nothing has been
-    sent then.
+    Raises GateError for a path, or a correction in `run`, that the gate does not let through:
+    nothing has been sent then.
     """
 
     link: Connection
     path: Array
     """r, shape (N, n) [rad], one sample each period."""
     limits: GuidanceLimits | None = None
-    """Checked before anything is sent; None: those of the controller alone."""
+    """Of the robot, checked before anything is sent; None: the correction alone is checked."""
+    beyond: tuple[str, ...] = ()
+    """Names of what the gate (`gate`) lets through."""
     period: float = PERIOD
     """[s], of the controller."""
     lost: int = field(default=0, init=False)
@@ -77,7 +80,8 @@ class StreamedPlant:
         self.path = np.array(self.path, dtype=np.float64)
         if self.path.ndim != 2 or len(self.path) < 2:
             raise ValueError(f"path must have shape (N, n), got {self.path.shape}")
-        self._check(self.path)
+        check_names(self.beyond)
+        self.check(np.zeros_like(self.path))
 
     @records("correction")
     def run(self, correction: Array, /) -> Array:
@@ -85,11 +89,8 @@ class StreamedPlant:
 
         Raises TimeoutError when no controller speaks, LostError when it ends the run.
         """
-        if correction.shape != self.path.shape:
-            shape = self.path.shape
-            raise ValueError(f"correction must have shape {shape}, got {correction.shape}")
+        self.check(correction)
         targets = self.path + correction
-        self._check(targets, correction)
         link = self.link
         link.begin()
         state = self._waiting()
@@ -172,21 +173,24 @@ class StreamedPlant:
         count = max(2, int(np.ceil(seconds / self.period)))
         share = 0.5 - 0.5 * np.cos(np.pi * np.arange(1, count + 1) / count)
         way = np.vstack((start + share[:, None] * away, np.tile(target, (SETTLING, 1))))
-        self._check(way)
+        self._check(way, np.zeros_like(way))
         *_, (_, last) = self._answering(way, state, len(way))
         return last
 
-    def _check(self, targets: Array, correction: Array | None = None) -> None:
-        if not np.isfinite(targets).all():
+    def check(self, correction: Array) -> None:
+        """Raise ValueError for a correction (N, n) [rad] that `run` would not send."""
+        if correction.shape != (shape := self.path.shape):
+            raise ValueError(f"correction must have shape {shape}, got {correction.shape}")
+        self._check(self.path, correction)
+
+    def _check(self, path: Array, correction: Array) -> None:
+        if not np.isfinite(path + correction).all():
             raise ValueError("path and correction must be finite")
-        if self.limits is None:
-            return
-        for k, target in enumerate(targets):
-            wrong = self.limits.refusal(target, targets[max(k - 1, 0)])
-            if wrong is None and correction is not None and self.link.additive:
-                wrong = self.limits.correction_refusal(correction[k])
-            if wrong is not None:
-                raise ValueError(f"sample {k}: {wrong}; nothing was sent")
+        found = exceeded(correction, self.period, path=path, limits=self.limits)
+        try:
+            let_through(found, self.beyond)
+        except GateError as error:
+            raise GateError(f"{error}; nothing was sent") from None
 
 
 MOST_ASKED = 250

@@ -80,10 +80,14 @@ class Server:
     wrong: list[str] = field(default_factory=list[str])
     """What was wrong with datagrams that are no messages; the first of each reason."""
     wrong_count: int = 0
+    clients: list[Address] = field(default_factory=list[Address], init=False)
+    """Addresses that answered, each change of them; the first hundred."""
     longest: float = 0.0
     """[s], the longest that a cycle began after its time, in real time."""
     prioritised: bool | None = field(default=None, init=False)
     """The system gave the thread the priority of real time; None where it was not asked."""
+    _sender: Address = field(default=("", 0), init=False, repr=False)
+    """Of the last datagram."""
     _before: State | None = field(default=None, init=False, repr=False)
     """Message of the last cycle."""
 
@@ -158,6 +162,8 @@ class Server:
                 self.wrong.append(reason)
             return None
         self.late += answer is None
+        if self._sender not in self.clients[-1:] and len(self.clients) < MOST_REASONS:
+            self.clients.append(self._sender)
         return answer
 
     def _received(self, udp: socket.socket, most: int = 10_000) -> list[bytes]:
@@ -171,6 +177,7 @@ class Server:
             except ConnectionError:  # nobody listens at the client's port
                 continue
             if sender[0] == self.client[0]:
+                self._sender = sender
                 found.append(datagram)
         return found
 

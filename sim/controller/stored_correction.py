@@ -1,5 +1,6 @@
 """Correction that a stored run ended with and its reference, or a correction in a file."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -10,9 +11,11 @@ from armside.arrays import Array
 from armside.ilc.workbench.signals import CsvSignal, read_signal
 from armside.ilc.workbench.words import Words
 
+from ..notes import GROWTH
 from ..records.files import InputError
 from ..records.stored_run import StoredRun
 from ..records.tables import float_columns, read_table
+from .gate import STATES
 
 REFERENCE = "reference.csv"
 """File with the reference in a run of `armside learn`."""
@@ -40,6 +43,8 @@ class StoredCorrection:
     """Of both; 1 where it is not known, of an own plant."""
     law: str | None = None
     """Words of the law, of a run that compared laws."""
+    ended: Mapping[str, str] = field(default_factory=dict)
+    """How the run ended, by the names of `gate`; empty where it ended well."""
 
     @property
     def commanded(self) -> Array:
@@ -50,7 +55,7 @@ class StoredCorrection:
 def stored_correction(run: StoredRun, law: str | None = None) -> StoredCorrection:
     """Correction of a run of laser, cut or learn. law: which, where learn compared several.
 
-    Raises InputError for another run, one that diverged, or a law that it does not have.
+    Raises InputError for another run, or a law that it does not have.
     """
     if run.experiment == "learn":
         return _of_learn(run, law)
@@ -59,7 +64,6 @@ def stored_correction(run: StoredRun, law: str | None = None) -> StoredCorrectio
         raise InputError(f"{run.folder} is a run of {run.experiment}: {runs} a correction")
     if law is not None:
         raise InputError(f"{run.folder} is a run of {run.experiment}, with one law: leave it out")
-    _refuse_diverged(run, run.summary["status"] == DIVERGED)
     last = run.signals.runs[-1]
     log = last.recording
     return StoredCorrection(
@@ -68,7 +72,20 @@ def stored_correction(run: StoredRun, law: str | None = None) -> StoredCorrectio
         sample_time=float(log.time[1] - log.time[0]),
         k=last.k,
         robot=run.summary["config"]["robot"],
+        ended=_ended(run.summary, last.k),
     )
+
+
+def _ended(summary: dict[str, Any], k: int) -> dict[str, str]:
+    """Notes on iteration k that hold its correction back, and the end of the run."""
+    states = {cause.value: name for cause, name in STATES.items()}
+    found: dict[str, str] = {}
+    for note in summary.get("notes", ()):
+        if note["cause"] in states and k in (note["runs"] or [k]):
+            found.setdefault(states[note["cause"]], note["text"])
+    if summary["status"] == DIVERGED:
+        found[DIVERGED] = f"learning diverged at k = {k}"
+    return found
 
 
 def _of_learn(run: StoredRun, law: str | None) -> StoredCorrection:
@@ -80,7 +97,6 @@ def _of_learn(run: StoredRun, law: str | None) -> StoredCorrection:
     if law is not None and law not in names:
         raise InputError(f"{run.folder} has no law {law!r}. It has: {', '.join(names)}")
     at = next(i for i, row in enumerate(rows) if law in (None, row["law"]))
-    _refuse_diverged(run, rows[at]["diverged"])
     (file,) = run.folder.glob(f"correction-{at + 1}-*.csv")
     signal, reference = read_signal(file), read_signal(run.file(REFERENCE))
     if signal.time is None:
@@ -94,7 +110,16 @@ def _of_learn(run: StoredRun, law: str | None) -> StoredCorrection:
         robot=robot,
         unit=unit,
         law=rows[at]["law"],
+        ended=_ended_of_law(rows[at]),
     )
+
+
+def _ended_of_law(row: dict[str, Any]) -> dict[str, str]:
+    found = {DIVERGED: "learning diverged"} if row["diverged"] else {}
+    if (tool := row.get("arm_rms")) and not tool[-1] <= GROWTH * tool[0]:
+        text = f"RMS {1e6 * tool[0]:.4g} to {1e6 * tool[-1]:.4g} um"
+        found["worse"] = f"learning made the tool worse: {text}"
+    return found
 
 
 def _robot(config: dict[str, Any]) -> tuple[str | None, str]:
@@ -106,11 +131,6 @@ def _robot(config: dict[str, Any]) -> tuple[str | None, str]:
     if name in ROBOTS or Path(name).suffix == ".toml":
         return name, "rad"
     return None, "rad" if name in OF_ANGLES else "1"
-
-
-def _refuse_diverged(run: StoredRun, diverged: bool) -> None:
-    if diverged:
-        raise InputError(f"{run.folder} diverged: its correction is not for use")
 
 
 PREFIXES = ("correction", "u")

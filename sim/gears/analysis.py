@@ -93,6 +93,8 @@ class Judgement:
     bands: tuple[InBand, ...]
     """Both in bands of frequency; empty without tracker."""
     spectra: Spectra | None
+    unjudged: str | None = None
+    """Why no tracker judges it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -187,8 +189,14 @@ def _by_tracker(
     one: Aligned, found: Transmission, control: Transmission, cfg: GearsCfg
 ) -> dict[str, Any]:
     """Entries of a judgement that a tracker makes, where it saw enough."""
-    if one.tracker is None or (rows := judged_rows(one)).sum() < SHORTEST_SEEN * RATE:
-        return {"tool": None, "sham_tool": None, "smoothed": None, "bands": (), "spectra": None}
+    rows = None if one.tracker is None else judged_rows(one)
+    if rows is None or rows.sum() < SHORTEST_SEEN * RATE:
+        why = "it has no samples of a tracker or of cameras"
+        if rows is not None:
+            seen = f"{rows.sum() / RATE:.3g} s of its second half"
+            why = f"the tracker saw {seen}, {SHORTEST_SEEN:g} s are needed"
+        nothing = dict.fromkeys(("tool", "sham_tool", "smoothed", "spectra"))
+        return nothing | {"bands": (), "unjudged": why}
     residual = one.tool_residual()[0]
     gears, sham = (x.tool_error(one.motion, one.target).sum(axis=2) for x in (found, control))
     both = None if one.imu is None else fused(one, found)
@@ -231,7 +239,8 @@ def coverage(done: GearAnalysis) -> tuple[Coverage, ...]:
 
 
 def coverage_notes(done: GearAnalysis) -> tuple[str, ...]:
-    """A line for each recording that a sensor saw a part of, and joint of which nothing was found.
+    """A line for each recording that a sensor saw a part of, joint of which nothing was found, and
+    recording without a judge.
 
     Of an error that is missed the line states the median over the orders.
     """
@@ -240,6 +249,9 @@ def coverage_notes(done: GearAnalysis) -> tuple[str, ...]:
     for joint, own in enumerate(coverage(done), 1):
         if joint not in found:
             notes.append(f"joint {joint}: {_missed(own)}")
+    for one in done.judgements:
+        if one.unjudged:
+            notes.append(f"{one.recording}: not judged at the tool: {one.unjudged}")
     return tuple(notes)
 
 

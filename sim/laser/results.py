@@ -14,14 +14,12 @@ from ..evaluation.kerf import kerf
 from ..evaluation.tool_error import ToolError, path_measures
 from ..instruments.laser_tracker import beam
 from ..motion.tool_motion import ToolMotion
-from ..notes import Cause, Note, together
+from ..notes import GROWTH, Cause, Note, together
 from ..robot.linkage import checked_loop_error
 from ..robot.recording import saturation
 from .experiment import Experiment, Iteration, Pass
 from .specification import Row
 
-GROWTH = 1.05
-"""Error of the tool over that at k = 0 from which on it is noted: above the tracker's noise."""
 NAMED = 3
 """Contours that a note names at most."""
 
@@ -95,8 +93,9 @@ def _growth(
     yield Note(cause=Cause.TOOL, text=text)
 
 
-Status = Literal["done", "worse", "diverged"]
-"""End of a run. Worse: it learned from the tool, whose error grew as the tracker sees it."""
+Status = Literal["done", "worse", "diverged", "saturated"]
+"""End of a run. Worse: it learned from the tool, whose error grew as the tracker sees it.
+Saturated: at the end an axis ran into its hard stop, or the drives of all reached their torque."""
 
 
 def results(
@@ -150,6 +149,11 @@ def status(iterations: Sequence[Iteration], *, of_tool: bool) -> Status:
     first, last = iterations[0], iterations[-1]
     if last.diverged:
         return "diverged"
+    recording = last.run.recording
+    torque = [axis for name, axis, _ in recording.limits_hit if name == "torque"]
+    stopped = any(name == "joint" for name, *_ in recording.limits_hit)
+    if stopped or len(set(torque)) == recording.n_axes:
+        return "saturated"
     return "worse" if of_tool and last.tool.rms > GROWTH * first.tool.rms else "done"
 
 

@@ -137,7 +137,13 @@ def read_aubo(folder: Path) -> MotionRecording:
     imu, of_imu = repaired("IMU", robot["tImu"].ravel()[started], robot["z"][started])
     notes += of_imu
     tracker: Stream | None = None
-    if (file := folder / f"{stem}Tracker.mat").is_file():
+    cameras_of = [folder / f"{name}Tracker.mat" for name in NAMES]
+    file = next((file for file in cameras_of if file.is_file()), None)
+    if file is None:
+        others = sorted(each.name for each in folder.glob("*.mat") if each.stem != stem)
+        beside = f", and {', '.join(others)} is not read" if others else ""
+        notes += (f"cameras: there is no {cameras_of[NAMES.index(stem)].name}{beside}",)
+    else:
         cameras = _content(file, {"t": 1, "p": 3})
         p = cameras["p"]
         if np.nanmedian(np.abs(p)) > FARTHEST:

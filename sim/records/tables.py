@@ -4,6 +4,7 @@ Every form keeps the columns of `signals.parquet`, their units and the metadata;
 no missing values they are NaN. Values keep every bit.
 """
 
+import csv
 import io
 import json
 from collections.abc import Callable, Mapping, Sequence
@@ -25,6 +26,8 @@ from .files import LARGEST_DATA, InputError, check_file, check_n_values, reading
 Kind = TypeVar("Kind")
 MARK = "# armside "
 """Start of a line of metadata in a CSV file: key, blank, JSON."""
+SEPARATORS = ("\t", ";", ",")
+"""Of a text's columns. The first one that its line of names has is taken."""
 INTEGER, TRUTH_VALUE = "k", "tracker_valid"
 """Columns that are no floats."""
 TYPES = {INTEGER: pa.int32(), TRUTH_VALUE: pa.bool_()}
@@ -105,6 +108,13 @@ def _write_csv(file: Path, table: pa.Table) -> None:
         pacsv.write_csv(table, out, pacsv.WriteOptions(quoting_style="none"))
 
 
+def csv_form(head: str, body: bytes) -> tuple[str, str]:
+    """Separator and decimal point of a text with a line of names; a comma where it has neither."""
+    separator = next((one for one in SEPARATORS if one in head), ",")
+    comma = separator != "," and body.count(b",") > body.count(b".")
+    return separator, "," if comma else "."
+
+
 def _read_csv(file: Path) -> pa.Table:
     text = file.read_bytes()
     metadata: dict[str, str] = {}
@@ -114,11 +124,14 @@ def _read_csv(file: Path) -> pa.Table:
             key, _, value = line.decode()[len(MARK) :].partition(" ")
             metadata[key] = value.rstrip("\r")
     try:
-        names = text.split(b"\n", 1)[0].decode().strip().split(",")
+        head, _, body = text.partition(b"\n")
+        separator, decimal = csv_form(head.decode(), body)
+        names = next(csv.reader([head.decode().strip()], delimiter=separator))
         types = dict.fromkeys(names, pa.float64()) | TYPES
         nulls: dict[str, Any] = {"null_values": [""], "strings_can_be_null": True}
-        convert = pacsv.ConvertOptions(column_types=types, **nulls)
-        table = pacsv.read_csv(io.BytesIO(text), convert_options=convert)
+        convert = pacsv.ConvertOptions(column_types=types, decimal_point=decimal, **nulls)
+        parse = pacsv.ParseOptions(delimiter=separator)
+        table = pacsv.read_csv(io.BytesIO(text), None, parse, convert)
     except (pa.ArrowInvalid, UnicodeDecodeError) as error:
         raise ValueError(f"{file.name} is no table of numbers: {error}") from error
     return _table({name: table[name].combine_chunks() for name in table.column_names}, metadata)

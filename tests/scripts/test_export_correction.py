@@ -1,20 +1,24 @@
 """`armside export RUN`: the last correction alone, for a controller or another program."""
 
 import json
+import shutil
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from armside import kinematics
+from armside.ilc.workbench.compare import read_states, save_states
 from armside.scripts.cli import main
+from armside.scripts.cutting.earlier import KEY, STATE
 from armside.sim.cell import LARGE_CELL
 from armside.sim.controller.stored_correction import read_correction
 from armside.sim.records import read_run
 from armside.sim.records.tables import read_table, units
 
-ROBOT = "large:radius=2,speed=80"
+ROBOT = "large:radius=2,speed=40"
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +26,7 @@ def place(tmp_path_factory):
     """A run of laser, and one of learn with two laws on the same cut."""
     folder = tmp_path_factory.mktemp("export")
     words = ["--iterations", "1", "--quiet"]
-    cut = ["--radius", "2", "--speed", "80"]
+    cut = ["--radius", "2", "--speed", "40"]
     assert main(["laser", *cut, *words, "--out", str(folder / "cut")]) == 0
     laws = ["--laws", "heuristic", "gradient"]
     assert main(["learn", "--plant", ROBOT, *laws, *words, "--out", str(folder / "two")]) == 0
@@ -80,7 +84,8 @@ def test_rsi_messages_hold_the_correction_in_degrees(export, last):
     axes = [line.findall("AKorr")[0].attrib for line in lines]
     said = [[float(axis[f"A{i}"]) for i in range(1, 7)] for axis in axes]
     np.testing.assert_array_equal(said, np.rad2deg(last.correction))
-    assert [line.findtext("IPOC") for line in lines[:3]] == ["0", "4", "8"]
+    clock = 1e-3 * np.array([float(line.findtext("IPOC")) for line in lines])
+    np.testing.assert_allclose(clock, last.time - last.time[0], rtol=0, atol=1e-9)
 
 
 def test_egm_messages_hold_the_joint_path_in_degrees(export, last):
@@ -88,15 +93,18 @@ def test_egm_messages_hold_the_joint_path_in_degrees(export, last):
 
     assert export("cut", "--what", "joint-path", "--to", "egm") == 0
     kind, data, found = _messages()[1], Path("joint-path.egm").read_bytes(), []
+    clock = []
     while data:
         size, data = data[0], data[1:]  # below 128: one byte of varint
         message, data = kind.FromString(data[:size]), data[size:]
         found.append(list(message.planned.joints.joints))
+        clock.append((message.header.seqno, message.header.tm))
     np.testing.assert_array_equal(found, np.rad2deg(last.reference + last.correction))
+    assert clock == [(1 + i, 4 * i) for i in range(len(last.time))]
 
 
 def test_learning_starts_from_a_correction_in_a_file(export, place, capsys):
-    assert export("two", "--law", "gradient", "--to", "mat") == 0
+    assert export("two", "--law", "gradient", "--to", "mat", "--beyond", "worse") == 0
     words = ["learn", "--plant", ROBOT, "--from", "joint-correction.mat", "--iterations", "0"]
     assert main([*words, "--out", "more"]) == 0
     assert "Starts from the correction of joint-correction.mat" in capsys.readouterr().out
@@ -129,3 +137,64 @@ def test_learning_starts_from_a_correction_in_a_file(export, place, capsys):
 )
 def test_bad_input_is_one_line(bad_input, words, said, place):
     bad_input(f"export {place / words[0]} {' '.join(words[1:])}", said)
+
+
+@pytest.fixture(scope="module")
+def wild(place):
+    """A run whose stored correction was a million radians, repeated: six hard stops, no beam."""
+    changed = place / "changed"
+    shutil.copytree(place / "cut", changed)
+    state = read_states(changed / STATE)[KEY]
+    loop = replace(state.loop, correction=np.full_like(state.loop.correction, 1e6))
+    save_states(changed / STATE, {KEY: replace(state, loop=loop)})
+    words = ["--iterations", "0", "--quiet", "--out", str(place / "wild")]
+    assert main(["laser", "--from", str(changed), *words]) == 1
+    return place / "wild"
+
+
+def test_a_run_that_ended_in_its_hard_stops_is_not_done(wild):
+    assert json.loads((wild / "summary.json").read_text())["status"] == "saturated"
+
+
+BEYOND = ("saturated", "beam", "size", "speed", "acceleration", "range")
+
+
+@pytest.mark.parametrize(
+    "words", ["--to rsi", "--to egm --what joint-path", "--to csv", "--what tool-path --to mat"]
+)
+def test_no_form_lets_a_correction_to_a_robot_that_exceeds_the_gate(wild, bad_input, words):
+    said = bad_input(f"export {wild} {words}", f"beyond {' '.join(BEYOND)} lets it through")
+    assert "size: the correction of axis 1 must be within 5 deg, got 5.72958e+07" in said
+
+
+def test_what_is_let_through_by_its_name_says_so_in_the_file(wild, export):
+    assert export("wild", "--to", "rsi", "--beyond", *BEYOND[1:]) == 2
+    assert export("wild", "--to", "rsi", "--beyond", *BEYOND) == 0
+    lines = Path("joint-correction.rsi").read_text().splitlines()
+    assert [line.split(":")[0] for line in lines[: len(BEYOND)]] == [
+        f"<!-- beyond {name}" for name in BEYOND
+    ]
+    assert "AKorr" in lines[len(BEYOND)]
+    for kind in ("csv", "mat", "parquet"):
+        assert export("wild", "--to", kind, "--beyond", *BEYOND) == 0
+        about = read_table(Path(f"joint-correction.{kind}")).schema.metadata
+        said = json.loads(about[b"armside.beyond"])
+        assert [line.split(":")[0] for line in said] == [f"beyond {name}" for name in BEYOND]
+
+
+@pytest.mark.parametrize("name", ["worse", "diverged"])
+def test_a_run_that_ended_badly_is_held_back(name, place, export, capsys):
+    """Of the two laws one, in its stored table."""
+    file = place / "two" / "summary.json"
+    before = json.loads(file.read_text())
+    grown = [1e-4, 2e-4 if name == "worse" else 1e-4]
+    changed = {"arm_rms": grown, "diverged": name == "diverged"}
+    laws = [before["laws"][0], before["laws"][1] | changed]
+    try:
+        file.write_text(json.dumps(before | {"laws": laws}))
+        assert export("two", "--law", "heuristic") == 0
+        assert export("two", "--law", "gradient") == 2
+        assert f"beyond {name} lets it through" in capsys.readouterr().err
+        assert export("two", "--law", "gradient", "--beyond", name) == 0
+    finally:
+        file.write_text(json.dumps(before))

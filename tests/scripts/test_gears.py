@@ -48,6 +48,7 @@ def test_summary_tables_and_files(armside, tmp_path, folder):
     assert (
         summary["judged"][0]["tool"]["pooled"] < 0.7 < summary["judged"][0]["sham_tool"]["pooled"]
     )
+    assert summary["judged"][0]["unjudged"] is None
     files = {file.name for file in (tmp_path / "out").iterdir()}
     tables = {"summary.json", "gears.toml", "robot.toml"}
     assert files == tables | {"scan.png", "tool.png", "fused.png"}

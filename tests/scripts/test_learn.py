@@ -178,6 +178,7 @@ def test_a_correction_is_carried_over_to_another_speed_but_not_to_another_path(p
         ("--noise -1", 2, "noise must be"),
         ("--from nowhere", 2, "nowhere is no folder"),
         ("--plant .", 2, "no reference"),
+        ("--plant lag.json --beyond size", 2, "beyond is of a controller, egm or rsi"),
     ],
 )
 def test_bad_input_and_failures_are_one_line(words, status, message, place, capsys):

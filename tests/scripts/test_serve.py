@@ -4,11 +4,14 @@ import json
 import socket
 import subprocess
 import sys
+import threading
+import xml.etree.ElementTree as ET
 
 import pytest
 
 from armside import assets
 from armside.scripts.cli import main
+from armside.scripts.commands.serve import _told
 
 SERVE = [sys.executable, "-m", "armside.scripts.cli", "serve"]
 
@@ -52,3 +55,54 @@ def test_without_a_client_it_ends_in_one_line(capsys, tmp_path):
     assert main(["serve", "--idle", "0.1", "--port", str(free_port()), *out]) == 1
     assert capsys.readouterr().err.strip().endswith("no client completed a run within 0.1 s")
     assert not (tmp_path / "served").exists()
+
+
+WORDS = ["--protocol", "rsi", "--program", "cut:pose=p1,radius=2", "--idle", "20"]
+
+
+def client(port, texts):
+    """Answer the controller once it waits: texts by the IPOC of its messages."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
+        udp.bind(("127.0.0.1", port))
+        udp.settimeout(60)
+        heard, back = udp.recvfrom(65535)
+        while ET.fromstring(heard).find("Digout").get("o1") != "0":
+            heard, back = udp.recvfrom(65535)
+        for text in texts:
+            udp.sendto(text.format(ipoc=ET.fromstring(heard).findtext("IPOC")).encode(), back)
+            heard, back = udp.recvfrom(65535)
+
+
+@pytest.mark.parametrize("option", ["", "--quiet", "--json"])
+def test_clients_runs_garbage_and_refusals_are_lines_as_they_come(option, tmp_path, capsys):
+    def sen(axis):
+        return f'<Sen><AKorr A1="{axis}" A2="0"/><IPOC>{{ipoc}}</IPOC></Sen>'
+
+    file, port = assets.IRB1400_XML.parent / "two_link.toml", free_port()
+    end = "<Sen><EStr>Error: over</EStr><IPOC>{ipoc}</IPOC></Sen>"
+    thread = threading.Thread(
+        target=client, args=(port, [sen(0), "nonsense", sen(0), sen(9.0), sen(0), end])
+    )
+    thread.start()
+    robot = ["--robot", str(file), "--port", str(port), "--runs", "1", *option.split()]
+    assert main(["serve", *WORDS, *robot, "--out", str(tmp_path / "served")]) == 0
+    thread.join()
+    out, err = capsys.readouterr()
+    assert err == ""
+    if option:
+        assert out == "" if option == "--quiet" else json.loads(out)["status"] == "done"
+        return
+    lines = [line for line in out.splitlines() if line[:4] in ("Clie", "Not ", "Refu", "Run ")]
+    assert [line.partition(" of ")[0].partition(":")[0] for line in lines] == [
+        "Client at 127.0.0.1",
+        "Not a message",
+        "Refused",
+        "Run",
+    ]
+    assert "axis 1 must be at most" in lines[2]
+    (run,) = json.loads((tmp_path / "served/summary.json").read_text())["runs"]
+    assert f"{run['missed']} answers lost, late or refused" in lines[3]
+    assert f"motor error RMS {1e3 * run['motor_rms']:.4g} mrad" in lines[3]
+    assert not run["abandoned"]
+    assert "silent" not in lines[3]
+    assert "; the client fell silent" in _told(run | {"abandoned": True})

@@ -19,9 +19,8 @@ import pyarrow.csv as pacsv
 from armside.arrays import Array
 
 from ...records.files import LARGEST_DATA, InputError, check_file, check_n_values
+from ...records.tables import csv_form
 
-SEPARATORS = ("\t", ";", ",")
-"""The first one that the header has is taken."""
 UNIT = re.compile(r"(.*?)\s*[\[(]([^\[\]()]*)[\])]")
 """Name of a column and its unit."""
 COMMENTS = (b"#", b"%")
@@ -38,6 +37,7 @@ class TextTable:
     """Names as they are written."""
     units: dict[str, str]
     separator: str
+    decimal: str
     body: bytes
 
     def numbers(self, names: tuple[str, ...]) -> Array:
@@ -54,12 +54,10 @@ class TextTable:
             raise InputError(f"{self.file.name} has {self.header.count(name)} columns {name}")
         numbered = [f"{i}" for i in range(len(self.header))]
         at = numbered[self.header.index(name)]
-        comma = self.separator != "," and self.body.count(b",") > self.body.count(b".")
-        decimal = "," if comma else "."
         convert = pacsv.ConvertOptions(
             include_columns=[at],
             column_types={at: kind},
-            decimal_point=decimal,
+            decimal_point=self.decimal,
             null_values=["", " ", "nan", "NaN"],
         )
         read = pacsv.ReadOptions(column_names=numbered)
@@ -80,15 +78,15 @@ def read_text(file: Path) -> TextTable:
         first = line.decode("utf-8-sig")
     except UnicodeDecodeError:
         first = line.decode("latin-1")
-    separator = next((one for one in SEPARATORS if one in first), None)
-    if separator is None or "\0" in first:
+    separator, decimal = csv_form(first, body)
+    if separator not in first or "\0" in first:
         raise InputError(f"{file.name} is no log: it has no header line with several columns")
     cells = next(csv.reader([first.strip()], delimiter=separator))
     written = tuple(cell.strip() for cell in cells)
     named = [UNIT.fullmatch(cell) for cell in written]
     header = tuple(m[1] if m else cell for m, cell in zip(named, written, strict=True))
     units = {m[1]: m[2] for m in named if m}
-    return TextTable(file, header, written, units, separator, body)
+    return TextTable(file, header, written, units, separator, decimal, body)
 
 
 CHANNEL = re.compile(r"#BEGINCHANNELHEADER(.*?)#ENDCHANNELHEADER", re.DOTALL)

@@ -4,11 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from armside.kinematics import CATALOGUE
 from armside.kinematics.calibration import CalibrationCfg, JointErrors, Measurements, calibrate
 from armside.kinematics.calibration.measurements import split_by_pose, unique_poses
 from armside.kinematics.calibration.plausibility import check
+
+from .conftest import R_TRACKER
 
 ARM = CATALOGUE["irb120"]
 TRUTH = {"theta_2": 1e-3, "a_2": -4e-4, "alpha_3": 8e-4}
@@ -27,6 +30,22 @@ def test_repeats_of_a_pose_are_on_one_side_of_a_split():
         assert sorted([*fitted, *held]) == list(range(150))
         assert not set(unique_poses(phi)[fitted]) & set(unique_poses(phi)[held])
         assert len(fitted) == 75
+
+
+def test_repeats_that_come_back_with_an_error_are_on_one_side_of_a_split():
+    """Within half a milliradian, which is on both sides of any grid."""
+    rng = np.random.default_rng(0)
+    phi = np.repeat(rng.normal(size=(50, 6)), 4, axis=0)
+    of = rng.permutation(200)
+    phi = (phi + rng.uniform(-5e-4, 5e-4, phi.shape))[of]
+    fitted, held = split_by_pose(phi, 0.5, rng)
+    assert not set(of[fitted] // 4) & set(of[held] // 4)
+    assert len(fitted) == len(held) == 100
+
+
+def test_a_slow_motion_is_not_all_one_pose():
+    phi = np.linspace(0.0, 0.1, 400)[:, None] * np.ones(6)
+    assert 25 <= unique_poses(phi).max() + 1 <= 101
 
 
 def test_a_split_in_order_fits_the_first_poses():
@@ -152,6 +171,27 @@ def test_data_that_cannot_be_right_are_named(name, measured):
     with pytest.raises(ValueError, match=message):
         check(*ARM, spoil(data))
     check(*ARM, data)
+
+
+@pytest.mark.parametrize(
+    ("axes", "signs", "said"),
+    [
+        ([1, 0, 2], [1, 1, 1], "x and y swapped"),
+        ([0, 2, 1], [1, 1, 1], "y and z swapped"),
+        ([2, 1, 0], [1, 1, 1], "x and z swapped"),
+        ([0, 1, 2], [-1, 1, 1], "the sign of x reversed"),
+        ([0, 1, 2], [1, 1, -1], "the sign of z reversed"),
+    ],
+)
+def test_a_mirrored_frame_of_the_targets_is_named(axes, signs, said, measured):
+    """Near the axes of the base, so that it is known which; a permuted right-handed frame fits."""
+    data = measured("irb120", 200, np.random.default_rng(0), errors=TRUTH)
+    near = Rotation.from_euler("ZYX", [0.2, 0.1, -0.1]).as_matrix()
+    data = data.moved(near @ R_TRACKER.T, np.zeros(3))
+    message = rf"do not fit .* mm with the frame of the targets mirrored, {said}"
+    with pytest.raises(ValueError, match=message):
+        check(*ARM, replace(data, points=data.points[..., axes] * signs))
+    check(*ARM, replace(data, points=data.points[..., [1, 2, 0]]))
 
 
 def test_measurements_check_their_shapes():

@@ -37,20 +37,24 @@ def test_a_robot_follows_where_it_is_guided_and_ends_at_rest():
     until_waiting(controller)
     run, missed = ended[0]
     assert missed == 0
+    assert not controller.abandoned
     assert np.abs(np.diff(run.motor_angle[-5:], axis=0)).max() < 1e-5
     np.testing.assert_allclose(np.deg2rad(controller.state().joints), START, atol=1e-3)
 
 
 def test_silence_stops_a_moving_robot_within_its_limits():
-    controller, ended = guided(), []
-    controller.on_end = lambda run, missed: ended.append(run)
+    controller, ended, abandoned = guided(), [], []
+    controller.on_end = lambda run, missed: (
+        ended.append(run),
+        abandoned.append(controller.abandoned),
+    )
     follow(controller, START + np.arange(60)[:, None] * 0.004 * np.array([2.0, -2.0]) * 0.9)
     for _ in range(controller.silence):
         assert controller.phase is Phase.GUIDED
         controller.cycle(None)
     assert controller.phase is Phase.STOPPING
     until_waiting(controller)
-    assert len(ended) == 1
+    assert abandoned == [True]
     assert not [hit for hit in ended[0].limits_hit if hit[0] == "joint"]
     speed = np.diff(ended[0].motor_angle, axis=0) / 0.004
     assert np.abs(speed[-1]).max() < 1e-2

@@ -5,6 +5,7 @@ import threading
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from armside.ilc.workbench.signals import write_signal
@@ -61,7 +62,8 @@ def test_a_model_free_law_of_a_paper_learns_two_axes_through_egm(place):
     law = f"{EXAMPLES / 'adjoint.py'}:Adjoint"
     with served("egm") as plant:
         words = ("--plant", plant, "--reference", "path.csv", "--laws", law, "--iterations", 2)
-        (row,) = learned(*words, "--out", "a")["laws"]
+        steps = ("--beyond", "speed", "acceleration")  # errors backwards begin with one
+        (row,) = learned(*words, *steps, "--out", "a")["laws"]
     assert row["error_two"][-1] < 0.7 * row["error_two"][0]
     assert not row["diverged"]
 
@@ -70,14 +72,29 @@ def test_a_model_free_law_of_a_paper_learns_two_axes_through_egm(place):
 def test_updates_and_as_many_more_over_a_protocol_are_those_at_once(protocol, place):
     n, law = 2, "heuristic:gamma=0.7,delta=6,cutoff=15"
     of_path = ("--reference", "path.csv") if protocol == "egm" else ()
+    steps = ("--beyond", "speed", "acceleration")  # the path moves at once
     with served(protocol) as plant:
-        words = ("--plant", plant, *of_path, "--laws", law)
+        words = ("--plant", plant, *of_path, "--laws", law, *steps)
         whole = learned(*words, "--iterations", 2 * n, "--out", "once")
     with served(protocol) as plant:
         words = ("--plant", plant, *words[2:])
         learned(*words, "--iterations", n, "--out", "first")
-        more = learned("--from", "first", "--iterations", n, "--out", "more")
+        more = learned("--from", "first", *steps, "--iterations", n, "--out", "more")
     assert more["started_from"]["how"] == "its last runs"
     assert more["laws"][0]["error_two"] == whole["laws"][0]["error_two"][n + 1 :]
     names = [next(Path(name).glob("correction-1-*.csv")) for name in ("once", "more")]
     assert names[0].read_bytes() == names[1].read_bytes()
+
+
+def test_a_start_beyond_the_gate_is_refused_and_so_is_a_law_that_grows_there(place, capsys):
+    """Bad input before anything is sent; a failure where the law comes to it, in one line each."""
+    write_signal(place / "wild.csv", np.full_like(path(), 1e6), 0.004, "correction")
+    with served("rsi") as plant:
+        words = ["learn", "--plant", plant, "--iterations", "3", "--quiet", "--out", "a"]
+        assert main([*words, "--from", "wild.csv"]) == 2
+        assert main([*words, "--laws", "heuristic:gamma=100,delta=0,cutoff=15"]) == 1
+    start, grown = capsys.readouterr().err.splitlines()
+    for said in (start, grown):
+        assert said.startswith("armside: size: the correction of axis 1 must be within 5 deg")
+        assert said.endswith("lets it through; nothing was sent")
+    assert not (place / "a").exists()

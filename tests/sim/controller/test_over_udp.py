@@ -41,7 +41,8 @@ def served(server):
 
 
 def learned(link, updates=3):
-    plant = StreamedPlant(link, path(), GuidanceLimits.of(MODEL, CELL))
+    steps = ("speed", "acceleration")  # the path moves at once, and so does its correction
+    plant = StreamedPlant(link, path(), GuidanceLimits.of(MODEL, CELL), beyond=steps)
     law = Heuristic(Q=ZeroPhaseButterworth(15.0, 0.004), gamma=0.7, delta=6)
     trials = list(learn(plant, law, plant.path, updates))
     return [trial.result for trial in trials], plant
@@ -162,7 +163,8 @@ def test_a_correction_beyond_the_limits_is_refused_before_anything_is_sent():
 
 def test_a_first_answer_that_is_always_refused_is_an_error_and_no_endless_loop():
     controller = programmed()
-    plant = StreamedPlant(InProcess(controller, additive=True), path())
+    beyond = ("size", "speed", "acceleration")
+    plant = StreamedPlant(InProcess(controller, additive=True), path(), beyond=beyond)
     wild = np.full_like(path(), 1.0)  # 57 degrees at once
     with pytest.raises(LostError, match="asked for sample 0 250 times: it refuses the answer"):
         plant.run(wild)

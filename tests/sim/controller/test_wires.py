@@ -1,5 +1,7 @@
 """Messages of EGM and RSI: round trips to the last bit, and what is no message."""
 
+import xml.etree.ElementTree as ET
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,8 @@ from armside.sim.controller import Answer, Phase, State
 from armside.sim.controller.egm import EgmWire
 from armside.sim.controller.messages import WireError
 from armside.sim.controller.rsi import RsiWire
+
+from .robots import CELL, START, guided
 
 RNG = np.random.default_rng(1)
 
@@ -81,6 +85,34 @@ def test_a_doubled_answer_of_a_client_without_time_stamps_counts_once():
     datagram = message.SerializeToString()
     assert controller.decode_answer(datagram, state()) is not None
     assert controller.decode_answer(datagram, state()) is None
+
+
+def test_a_second_of_cycles_is_a_second_by_every_clock_of_a_message():
+    """Milliseconds in EGM's header and RSI's IPOC, seconds and microseconds in EGM's feedback."""
+    controller = guided()
+    for _ in range(312):  # of 4 ms
+        controller.cycle(Answer(values=np.degrees(START), additive=False))
+    egm, rsi = EgmWire(), RsiWire()
+    message = egm._robot.FromString(egm.encode_state(controller.state()))
+    assert message.header.tm == 1248
+    for part in (message.feedBack, message.planned):
+        assert (part.time.sec, part.time.usec) == (1, 248_000)
+    assert ET.fromstring(rsi.encode_state(controller.state())).findtext("IPOC") == "1248"
+
+
+def test_a_message_of_the_controller_has_degrees_and_millimetres():
+    """Of a planar arm, whose tool follows from its two angles and lengths alone."""
+    controller = guided()
+    egm = EgmWire()
+    message = egm._robot.FromString(egm.encode_state(controller.state()))
+    phi = np.array(message.feedBack.joints.joints) * np.pi / 180.0
+    np.testing.assert_allclose(phi, START, atol=1e-4)  # a step of the encoder
+    links = CELL.robot.links
+    angles = np.cumsum(phi + [link.theta for link in links])
+    reach = np.array([link.a for link in links])
+    place = message.feedBack.cartesian.pos
+    expected = 1e3 * np.array([reach @ np.cos(angles), reach @ np.sin(angles)])
+    np.testing.assert_allclose([place.x, place.y], expected, atol=1e-6)
 
 
 def test_relative_corrections_add_up():

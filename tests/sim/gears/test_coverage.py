@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 from armside.sim.gears import GearsCfg, analyse_gears, coverage, coverage_notes
-from armside.sim.recordings import Stream
+from armside.sim.recordings import Stream, read_motion
 
 CFG = GearsCfg(largest_order=200.0)
 
@@ -70,3 +71,33 @@ def test_an_error_is_found_from_the_amplitude_on_that_is_stated(scenes, factor, 
     gear = factor * smallest / scenes.AMPLITUDE
     done = analyse_gears(scenes.ARM, [scenes.recording(scenes.Scene(3, gear=gear))], CFG)
     assert found(done) == ({1, 2, 3} if seen else set())
+
+
+def test_a_recording_without_a_judge_says_why(recordings, scenes):
+    """One has no tracker; that of the other ends 3 s after the middle, on which it is aligned."""
+    tracker = recordings[1].tracker
+    middle = 0.5 * (tracker.time[0] + tracker.time[-1])
+    seen = tracker.time < middle + 3.0
+    short = replace(recordings[1], tracker=Stream(tracker.time[seen], tracker.values[seen]))
+    done = analyse_gears(scenes.ARM, [replace(recordings[0], tracker=None), short], CFG)
+    assert [judged.tool for judged in done.judgements] == [None, None]
+    none, part = (str(judged.unjudged) for judged in done.judgements)
+    assert none == "it has no samples of a tracker or of cameras"
+    seconds = float(part.removeprefix("the tracker saw ").split()[0])
+    assert 1.0 < seconds < 3.5
+    notes = coverage_notes(done)
+    assert f"{short.name}: not judged at the tool: {part}" in notes
+    assert f"{recordings[0].name}: not judged at the tool: {none}" in notes
+
+
+@pytest.mark.parametrize("named", ["cameras.mat", "ContinuousEvalutionTracker.mat"])
+def test_cameras_of_a_day_are_read_by_either_spelling_or_missed_by_name(named, tmp_path):
+    rng, time = np.random.default_rng(0), np.arange(0.0, 12.0, 0.01)[:, None]
+    smooth = np.sin(time + rng.uniform(0.0, 6.0, 6)) + 3.0
+    robot = {"tRobot": time, "q": smooth, "tImu": time, "z": smooth}
+    savemat(tmp_path / "ContinuousEvaluation.mat", robot)
+    savemat(tmp_path / named, {"t": time, "p": smooth[:, :3]})
+    read = read_motion(tmp_path)
+    assert (read.tracker is None) is (named == "cameras.mat")
+    said = "cameras: there is no ContinuousEvaluationTracker.mat, and cameras.mat is not read"
+    assert (said in read.notes) is (named == "cameras.mat")

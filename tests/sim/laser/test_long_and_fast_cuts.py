@@ -10,10 +10,10 @@ from armside.sim.estimation.tool_law import ToolLaw
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, ToolPath, learn, prepare
 from armside.sim.laser.loop import first_run
-from armside.sim.laser.results import GROWTH, results
+from armside.sim.laser.results import results
 from armside.sim.motion.contour import slot
 from armside.sim.motion.timing import PathLimits
-from armside.sim.notes import Cause
+from armside.sim.notes import GROWTH, Cause
 
 pytestmark = pytest.mark.usefixtures("quick_identification")
 

@@ -131,3 +131,17 @@ def test_a_pipe_is_refused_at_once(tmp_path, name):
     os.mkfifo(tmp_path / "measurements_a.csv")
     with pytest.raises(ValueError, match="is no regular file"):
         read_poses(tmp_path)
+
+
+@pytest.mark.parametrize("separator", [";", "\t", ","])
+def test_a_table_of_poses_is_read_with_the_separators_and_commas_of_a_spreadsheet(
+    separator, tmp_path
+):
+    names = [f"motor_angle_{i}" for i in range(1, 7)] + [f"target_1_{a}" for a in "xyz"]
+    values = np.random.default_rng(0).normal(size=(8, 9))
+    rows = [separator.join(map(repr, row)) for row in values.tolist()]
+    text = "\n".join([separator.join(names), *rows])
+    (tmp_path / "poses.csv").write_text(text if separator == "," else text.replace(".", ","))
+    found = read_poses(tmp_path / "poses.csv").measurements
+    np.testing.assert_array_equal(found.phi, values[:, :6])
+    np.testing.assert_array_equal(found.points[:, 0], values[:, 6:])
