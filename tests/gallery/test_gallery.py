@@ -8,6 +8,7 @@ from PIL import Image
 
 from armside.scripts.figures import canvas
 from armside.scripts.shell.errors import InputError
+from armside.sim.cell import CELLS
 from armside.sim.estimation.linearised_arm import linearised
 from armside.sim.estimation.nominal import NominalCfg, nominal_arm
 from armside.sim.laser.experiment import prepare
@@ -15,7 +16,7 @@ from armside.sim.laser.specification import Cut
 
 from .. import evidence
 from . import __main__ as gallery
-from . import replay, why
+from . import replay, robots, why
 
 IMAGES = evidence.ROOT / "docs" / "images"
 ALIKE = 1.0
@@ -99,3 +100,7 @@ def test_an_unknown_picture_names_those_there_are(capsys):
         gallery.main(["mona-lisa"])
     assert ended.value.code == 2
     assert "circles, errors" in capsys.readouterr().err
+
+
+def test_every_robot_in_the_picture_of_robots_is_named():
+    assert robots.NAMES.keys() == CELLS.keys()
