@@ -16,7 +16,7 @@ from armside.kinematics.robot_file import Arm
 from armside.sim.records.run_folder import RunFolder
 
 from ..shell.console import Report
-from .canvas import panels
+from .canvas import COLORS, panels
 
 FITS = ("nominal", "geometry", "full")
 LISTED = 20
@@ -119,12 +119,12 @@ def write(folder: RunFolder, done: Calibration, arm: Arm, number: int, seed: int
 
 def draw_residuals(file: Path, done: Calibration) -> None:
     """Distribution of the held-out errors, and where in the workspace they lie."""
-    with panels(file, (11, 4.5), 1, 2, large=True) as (left, right):
-        for name in FITS:
+    with panels(file, (11, 4.5), 1, 2) as (left, right):
+        for name, color in zip(FITS, COLORS, strict=False):
             length = done.residuals(name)
             values = 1e3 * np.sort(length[np.isfinite(length)])
             style = "--" if name == "full" else "-"  # it may be the geometry
-            left.plot(values, np.linspace(0, 100, len(values)), style, label=name)
+            left.plot(values, np.linspace(0, 100, len(values)), style, color=color, label=name)
         left.set(xlabel="held-out error [mm]", ylabel="poses [%]", title="Fraction below an error")
         left.set(xlim=(0, None), ylim=(0, 100))
         left.grid(True)
@@ -138,12 +138,12 @@ def draw_region(file: Path, done: Calibration) -> None:
     """Region of use: standard deviation of the tool, and fitted values of each joint."""
     deviation = 1e3 * done.region.standard_deviation(done.held_out.phi)
     p, inside, title = _places(done), done.inside, "Standard deviation by the posterior"
-    with panels(file, (11, 4.5), 1, 2, large=True) as (left, right):
+    with panels(file, (11, 4.5), 1, 2) as (left, right):
         _workspace(left, title, p[inside], deviation[inside])
-        left.plot(*p[~inside].T, "x", color="crimson", label="refused")
+        left.plot(*p[~inside].T, "x", color=COLORS[1], label="refused", mew=1.0)
         left.legend(loc="upper right", frameon=True)
         for i, values in enumerate(done.region.values, 1):
-            right.plot(values, np.full(len(values), i), "|", color="C0", alpha=0.4)
+            right.plot(values, np.full(len(values), i), "|", color=COLORS[0], alpha=0.4)
         right.set(xlabel="joint variable [rad]", ylabel="joint")
         right.set_title("Fitted values of each joint")
         right.invert_yaxis()

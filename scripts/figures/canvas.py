@@ -114,8 +114,8 @@ def save(figure: Figure, file: Path) -> None:
 
 
 def whole_numbers(axis: Axis) -> None:
-    """Ticks at integers alone, as iterations need them."""
-    axis.set_major_locator(MaxNLocator(integer=True))
+    """Ticks at integers alone, as iterations need them, also where one is all there is."""
+    axis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
 
 
 def logarithmic(axes: Axes) -> None:

@@ -74,9 +74,7 @@ def residuals(file: Path, found: CommissionedTwin, cuts: Sequence[MeasuredCut]) 
         ("twin", quality.within, COLORS[0]),
     )
     width, place = max(6.0, 0.9 * len(cuts) + 1.2), np.arange(len(cuts))
-    title = (
-        f"{sensor.quantity.capitalize()} beyond that of its motors: what a model does not explain"
-    )
+    title = f"{sensor.quantity.capitalize()} in each cut: measured less predicted, by model"
     edges = 0.7 / width, 1.0 - 0.1 / width, 0.13, 0.8
     with panels(file, (width, 4.0), edges=edges) as (axes,):
         axes.figure.suptitle(title, x=0.02, ha="left", fontsize=10)

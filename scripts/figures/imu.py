@@ -107,6 +107,12 @@ def path(file: Path, position: Array) -> None:
     figure = new_figure(6.4, 5.6)
     axes = figure.add_subplot(projection="3d")
     axes.plot(*position.T, color=COLORS[0], lw=1.0)
+    axes.plot(*position[0], "o", color=COLORS[1], ms=6, label="start, and its direction")
+    away = position - position[0]
+    far = np.linalg.norm(away, axis=1)
+    first_leg = away[np.argmax(far >= 0.3 * far.max())]
+    axes.quiver(*position[0], *first_leg, color=COLORS[1], lw=2.5, arrow_length_ratio=0.4)
+    axes.legend(loc="upper right")
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]", title="Performed motion of the IMU")
     size = np.maximum(np.ptp(position, axis=0), 0.05)
     axes.set_box_aspect(size)

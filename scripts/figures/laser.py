@@ -15,6 +15,7 @@ from armside.sim.evaluation.kerf import Kerf
 
 from .canvas import (
     COLORS,
+    INK,
     MARKERS,
     REFERENCE,
     logarithmic,
@@ -32,8 +33,10 @@ SHOWN_DEVIATION = 0.6
 FLATTEST = 0.25
 """Smallest height of a panel relative to its width."""
 SIDE = 2.7
-"""Width of a panel [inch]."""
+"""Width of a panel [inch], where there are three in a row."""
 MOST_PANELS = 12
+SCALE = 100
+"""Deviation that the bar in `circles.png` is as long as [µm], less where that is too long."""
 SHORT = 10
 """Letters of a panel's name that leave room for its numbers in the same line."""
 
@@ -56,7 +59,8 @@ def circles(
     rms, maxdev: for each iteration [m], written above its panel.
     names: of each measured path; k = 0, k = 1 ... if None.
     label: of the paths in the legend.
-    All panels share one magnification, chosen from 1, 2, 5, 10, ... and stated in the figure.
+    All panels share one magnification, chosen from 1, 2, 5, 10, ... and stated in the figure. The
+    axes hold for the reference; a bar gives the length of a deviation.
     Points that are not finite (a lost beam, a run that diverged) leave a gap.
     """
     measured = [np.where(np.isfinite(p).all(axis=1, keepdims=True), p, np.nan) for p in measured]
@@ -73,13 +77,14 @@ def circles(
     if names is None:
         names = [f"k = {k}" for k in range(len(measured))]
     shown = _panels(len(measured))
+    side = SIDE * max(1.0, min(2.0, 3 / len(shown)))  # room for the title above few panels
     long = max(map(len, names)) > SHORT
     between, extra = ("\n", 0.17) if long else ("    ", 0.0)  # a second line of the title [inch]
     with tiles(
         file,
         len(shown),
         3,
-        (SIDE, max(reach[1] / reach[0], FLATTEST) * SIDE),
+        (side, max(reach[1] / reach[0], FLATTEST) * side),
         edges=(0.6, 0.1, 0.85, 0.7 + extra),
         gaps=(0.35, 0.35 + extra),
         labels=("x [mm]", "y [mm]"),
@@ -98,8 +103,16 @@ def circles(
                 axis.set_major_locator(MaxNLocator(n, steps=[1, 2, 5, 10], min_n_ticks=1))
             numbers = f"RMS {_microns(rms[k])}, max {_microns(maxdev[k])}"
             axes.set_title(f"{names[k]}{between}{numbers}", loc="center")
-        handles = grid[0].get_legend_handles_labels()
-        figure.legend(*handles, loc="lower center", ncols=2, fontsize=10)
+        handles, labels = grid[0].get_legend_handles_labels()
+        if factor > 1:
+            bar = min(SCALE, magnification(5e5 * half_width / factor))
+            at = 0.94 * reach[0] - np.array([1e-3 * factor * bar, 0.0])
+            for axes in grid:
+                handles[2:] = axes.plot(at, [-0.94 * reach[1]] * 2, color=INK, lw=3.0)
+            labels.append(f"bar: deviation of {bar:g} µm")
+        figure.legend(
+            handles, labels, loc="lower center", ncols=3, fontsize=8 if len(shown) < 3 else 10
+        )
 
 
 def _microns(value: float | None) -> str:
@@ -139,6 +152,8 @@ def errors(
         ):
             microns = np.asarray(values, np.float64) * 1e6  # a missing value is NaN
             right.plot(iterations, microns, style, color=color, lw=1.3, label=label)
+        right.update_datalim([(iterations[0], 0.0)])
+        right.autoscale_view()
         right.set_ylim(bottom=0.0)
         right.set_title("Arm side: what the tool does")
         right.set_ylabel("tool deviation [µm]")
@@ -146,7 +161,6 @@ def errors(
         for axes in (left, right):
             axes.set_xlabel("iteration k")
             whole_numbers(axes.xaxis)
-            axes.xaxis.set_major_formatter("{x:.0f}")
             axes.grid(True)
 
 
@@ -190,11 +204,12 @@ def kerf(file: Path, cuts: Sequence[tuple[int, Kerf]], measure: str = "roundness
     programmed = cuts[0][1].curve.point(arc_length)
     edges = np.concatenate([cut.edge(cut.outer) for _, cut in cuts] + [programmed])
     reach = MARGIN * 1e3 * np.nanmax(np.abs(np.where(np.isfinite(edges), edges, np.nan)), axis=0)
-    columns = max(2, len(cuts))
+    columns, single = max(2, len(cuts)), len(cuts) == 1  # one cut: its edge beside the sheet
     panel = (WIDTH * 0.92 / columns - 0.4) * reach[1] / reach[0]
-    height = panel + STRIP + 1.9
+    height = max(panel, STRIP) + 1.25 if single else panel + STRIP + 1.9
     figure = new_figure(WIDTH, height)
-    grid = figure.add_gridspec(2, columns, height_ratios=(panel, STRIP))
+    ratios = (1.0,) if single else (panel, STRIP)
+    grid = figure.add_gridspec(len(ratios), columns, height_ratios=ratios)
     grid.update(left=0.08, right=0.985, hspace=1.5 / (panel + STRIP))
     grid.update(bottom=0.55 / height, top=1.0 - 0.6 / height)
     title = f"Cut with a beam of {beam * 1e3:g} mm, true to scale"
@@ -205,20 +220,22 @@ def kerf(file: Path, cuts: Sequence[tuple[int, Kerf]], measure: str = "roundness
         axes = figure.add_subplot(grid[0, column])
         _sheet(axes, programmed, cut)
         axes.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]), aspect="equal")
-        axes.set_title(f"k = {k}    {measure} {cut.roundness * 1e6:.0f} µm", fontsize=9)
+        axes.set_title(f"k = {k}    {measure} {_microns(cut.roundness)}", fontsize=9)
         axes.set(xlabel="x [mm]", ylabel="y [mm]" if column == 0 else "")
-        axes.yaxis.set_major_locator(MaxNLocator(nbins=max(1, int(panel / TICK)), min_n_ticks=1))
-    edge_axes = figure.add_subplot(grid[1, :])
+        for axis, n in ((axes.xaxis, 9), (axes.yaxis, min(9, max(1, int(panel / TICK))))):
+            axis.set_major_locator(MaxNLocator(n, steps=[1, 2, 5, 10], min_n_ticks=1))
+    edge_axes = figure.add_subplot(grid[0, 1] if single else grid[1, :])
     for (k, cut), color in zip(cuts, (COLORS[1], COLORS[0], *COLORS[2:]), strict=False):
         style = {"color": color, "lw": 1.3, "label": f"k = {k}"}
         edge_axes.plot(arc_length * 1e3, cut.hole_deviation * 1e6, **style)
     edge_axes.axhline(0.0, color=REFERENCE, lw=1.0)
-    edge_axes.set_title("Edge of the hole over the arc length", loc="left", fontsize=10)
+    edge_axes.set_title(f"Edge of the hole ({measure}: its range)", loc="left", fontsize=10)
     edge_axes.set(xlabel="arc length [mm]", ylabel="deviation outwards [µm]")
     edge_axes.set_xlim(0.0, float(arc_length[-1]) * 1e3)
     edge_axes.grid(True, color="#DDDDDD", lw=0.6)
-    place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}
-    edge_axes.legend(frameon=False, ncols=len(cuts), fontsize=8, **place)
+    if not single:
+        place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}
+        edge_axes.legend(frameon=False, ncols=len(cuts), fontsize=8, **place)
     save(figure, file)
 
 

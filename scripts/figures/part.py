@@ -14,12 +14,8 @@ from armside.sim.evaluation.tool_error import ToolError, signed_distance
 from armside.sim.part.motion import PartMotion
 from armside.sim.part.plan import Plan, PlannedCut, rapid_moves
 
-from .canvas import COLORS, INK, REFERENCE, magnification, magnified, panels
+from .canvas import COLORS, INK, REFERENCE, panels
 
-WIDTH = 0.035
-"""Largest drawn deviation over the size of the part."""
-BAR = 1.15
-"""Room for the bar of colours and its label [inch]."""
 COLOUR_MAP = "coolwarm"
 
 
@@ -35,47 +31,37 @@ class Mapped:
 
 
 def part_map(file: Path, runs: Sequence[Mapped]) -> None:
-    """Deviation of each contour's shape, in colour and magnified, a panel for each run."""
-    deviations = [_deviations(run) for run in runs]
-    every = np.concatenate([d for run in deviations for _, d, _ in run])
-    worst = float(np.abs(every).max(initial=1e-9))
-    box = np.vstack([cut.turn.polygon() for cut in runs[0].motion.cuts])
-    size = np.ptp(box, axis=0)
-    factor = magnification(WIDTH * float(size.max()) / worst)
+    """Contours coloured by the deviation of their shape, a panel and a scale for each run."""
+    size = np.ptp(np.vstack([cut.turn.polygon() for cut in runs[0].motion.cuts]), axis=0)
     height = float(np.clip(5.2 * size[1] / size[0], 2.2, 7.0)) + 1.3
-    width = 5.6 * len(runs) + 1.4
-    right = 1.0 - BAR / width
-    lines: list[LineCollection] = []
-    look = {"edges": (0.7 / width, right, 0.13, 0.8), "gaps": (0.06, None)}
-    with panels(file, (width, height), 1, len(runs), sharex=True, sharey=True, **look) as grid:
-        for axes, run, found in zip(grid, runs, deviations, strict=True):
-            for cut, (foot, deviation, normal) in zip(run.motion.cuts, found, strict=True):
-                axes.plot(*(1e3 * cut.turn.polygon()).T, color=REFERENCE, lw=0.7)
-                points = 1e3 * (foot + factor * deviation[:, np.newaxis] * normal)
-                line = 1e6 * deviation[:-1], (-1e6 * worst, 1e6 * worst)
-                lines.append(_coloured(axes, points, *line, cmap=COLOUR_MAP, lw=1.6))
+    title = "Deviation of the tool's shape from each contour"
+    shared = {"sharex": True, "sharey": True, "title": title}
+    with panels(file, (6.4 * len(runs), height), 1, len(runs), **shared) as grid:
+        for axes, run in zip(grid, runs, strict=True):
+            found = _deviations(run)
+            worst = 1e6 * float(np.abs(np.concatenate([d for _, d in found])).max(initial=1e-9))
+            look = {"cmap": COLOUR_MAP, "lw": 3.0}
+            lines = [
+                _coloured(axes, 1e3 * foot, 1e6 * d[:-1], (-worst, worst), **look)
+                for foot, d in found
+            ]
             axes.set_aspect("equal")
             axes.margins(0.05)
             axes.set_title(f"k = {run.k}: RMS {1e6 * run.rms:.0f} µm")
             axes.set_xlabel("x [mm]")
+            label = f"deviation outwards at k = {run.k} [µm]"
+            axes.figure.colorbar(lines[0], ax=axes, label=label, shrink=0.8)
         grid[0].set_ylabel("y [mm]")
-        figure = grid[0].figure
-        bar = figure.add_axes((right + 0.15 / width, 0.13, 0.15 / width, 0.67))
-        figure.colorbar(lines[0], cax=bar, label="deviation of the shape [µm]")
-        title = f"Tool beside the programmed contours, deviation {magnified(factor)}"
-        figure.suptitle(title, x=0.02, y=0.97, ha="left")
 
 
-def _deviations(run: Mapped) -> list[tuple[Array, Array, Array]]:
-    """Of each contour points (M, 2) [m] in the drawing, deviation (M,) [m] and normal (M, 2)."""
+def _deviations(run: Mapped) -> list[tuple[Array, Array]]:
+    """Of each contour points (M, 2) [m] in the drawing and deviation (M,) [m]."""
     found = []
     for place, error in zip(run.motion.places, run.contours, strict=True):
         path = error.path[np.isfinite(error.path).all(axis=1)]
         curve, s = place.curve, place.curve.nearest(path)
-        tangent = curve.tangent(s)
-        normal = np.column_stack([tangent[:, 1], -tangent[:, 0]])
         middle = run.motion.plane.from_base(place.plane.origin)[:2] + np.array(run.motion.middle)
-        found.append((curve.point(s) + middle, signed_distance(curve, path), normal))
+        found.append((curve.point(s) + middle, signed_distance(curve, path)))
     return found
 
 
@@ -113,7 +99,8 @@ def part_plan(file: Path, plan: Plan) -> None:
 def _draw_part(axes: Any, plan: Plan) -> None:
     fastest, lines = 1e3 * plan.cutting.speed, list[LineCollection]()
     for i, cut in enumerate(plan.cuts, 1):
-        axes.plot(*(1e3 * cut.contour.chain.polygon()).T, color=REFERENCE, lw=0.6)
+        drawn = 1e3 * cut.contour.chain.polygon()
+        axes.plot(*drawn.T, color=INK, lw=0.6, zorder=3, label="drawn")  # over what is cut
         s = _places(cut)
         points, speed = cut.path.point(s), np.interp(s, cut.profile.s, cut.profile.speed)
         middle = 0.5e3 * (speed[:-1] + speed[1:])
@@ -130,7 +117,7 @@ def _draw_part(axes: Any, plan: Plan) -> None:
     axes.set(aspect="equal", xlabel="x [mm]", ylabel="y [mm]")
     axes.margins(0.05)
     axes.figure.colorbar(lines[0], ax=axes, label="speed [mm/s]", pad=0.02, shrink=0.9)
-    text = "grey: drawn; dashed: rapid moves from the dot; numbers: order"
+    text = "thin black: drawn; dashed: rapid moves from the dot; numbers: order"
     axes.set_title(text + "; bars: micro-joints" * any(cut.joints for cut in plan.cuts))
 
 

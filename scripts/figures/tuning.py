@@ -72,9 +72,11 @@ def importance(file: Path, found: Mapping[str, Mapping[str, float]]) -> None:
     edges = 0.15, 0.98, 0.6 / height, 1.0 - 0.35 / height
     with panels(file, (7.0, height), edges=edges) as (axes,):
         axes.barh(names, share, color=colors)
-        axes.plot(chance, names, "|", ms=16, mew=2.0, color=COLORS[1], label="the most by chance")
+        axes.plot(
+            chance, names, "|", ms=16, mew=2.0, color=COLORS[1], label="largest that chance gives"
+        )
         axes.set_xlim(0.0, 1.05 * max(1.0, *chance))
-        axes.set_xlabel("importance (PED-ANOVA); grey: not above chance")
+        axes.set_xlabel("share in what sets the best designs apart (PED-ANOVA); grey: as by chance")
         axes.figure.legend(loc="upper right")
 
 

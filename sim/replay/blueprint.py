@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import rerun as rr
 import rerun.blueprint as rrb
 
 from armside.arrays import Array
@@ -34,6 +35,16 @@ class Layout:
     """Height of the robot's upper end above its floor [m]."""
     worst: float
     """Largest value of the learning curves [%]."""
+    end: float
+    """Time at which the last run ends [s]."""
+    is_part: bool
+    """Whether deviations are colours."""
+
+    @property
+    def time_axis(self) -> rrb.TimeAxis:
+        """From 0 to the end, without the margins that the viewer leaves."""
+        start, end = (rr.TimeRangeBoundary.absolute(seconds=t) for t in (0.0, self.end))
+        return rrb.TimeAxis(view_range=rr.TimeRange(start=start, end=end))
 
     def entity(self, path: str) -> str:
         """The path below this experiment's prefix."""
@@ -100,8 +111,11 @@ def _robot(layout: Layout) -> tuple[rrb.View, rrb.View]:
 
 
 def _paths(layout: Layout) -> tuple[rrb.View, rrb.View]:
-    every = layout.titled(f"Tool path by iteration, deviation ×{layout.factor:g}")
-    now = f"This iteration ×{layout.factor:g} [mm, y up]"
+    shown = f"×{layout.factor:g}"
+    if layout.is_part:
+        shown = "coloured" + f", {shown}" * (layout.factor != 1.0)
+    every = layout.titled(f"Tool path by iteration, deviation {shown}")
+    now = f"This iteration {shown} [mm, y up]"
     return (
         rrb.Spatial2DView(origin=layout.entity("paths"), name=every),
         rrb.Spatial2DView(origin=layout.entity("plane"), name=now),
@@ -113,6 +127,7 @@ def _learning(layout: Layout) -> rrb.View:
         origin=layout.entity("learning"),
         name=layout.titled("Error, % of the first run's; orange: tool, others: motors"),
         plot_legend=NO_LEGEND if layout.name else LEGEND,
+        axis_x=layout.time_axis,
         axis_y=rrb.ScalarAxis(range=(0.0, 1.1 * layout.worst)),
     )
 
@@ -120,7 +135,8 @@ def _learning(layout: Layout) -> rrb.View:
 def _series(
     layout: Layout, entity: str, title: str, legend: rrb.PlotLegend = NO_LEGEND
 ) -> rrb.View:
-    return rrb.TimeSeriesView(origin=layout.entity(entity), name=title, plot_legend=legend)
+    origin, axis = layout.entity(entity), layout.time_axis
+    return rrb.TimeSeriesView(origin=origin, name=title, plot_legend=legend, axis_x=axis)
 
 
 def _more(layout: Layout) -> list[rrb.View]:

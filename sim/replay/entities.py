@@ -39,6 +39,10 @@ OTHERS: Mapping[str, Mapping[str, Any]] = {
     "arm_error": {"names": ["tool", "motors"], "colors": [ORANGE, BLUE]},
     **dict.fromkeys(("imu/acceleration", "imu/angular_velocity", "tracker"), OF_XYZ),
 }
+THIN, THICK = -0.4, -1.5
+"""Half widths of rapid moves and of a part's tool path; below 0 they are points of the screen."""
+COLOURED = 5
+"""Samples of a part's tool path in one colour."""
 TOOL_LINES = ("tool RMS", "tool maximum")
 """Learning curves of the tool; all others are of a motor."""
 
@@ -82,9 +86,14 @@ def send_static(
     to.static("robot", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
     for entity, shape in shapes(mj, prefix=to.layout.entity("robot")):
         to.stream.log(entity, shape, static=True)
-    programmed = contour.magnified(0.0, 1.0)
-    line = rr.LineStrips2D([programmed], colors=GREY, labels=["programmed"], show_labels=False)
+    way = contour.magnified(0.0, 1.0)
+    programmed = contour.cut(0.0, 1.0) if contour.is_part else [way]
+    names = ["programmed"] * len(programmed)
+    line = rr.LineStrips2D(programmed, colors=GREY, labels=names, show_labels=False)
     to.static("plane/programmed", line)
+    if contour.is_part:
+        moves = [way[span] for span in contour.between]
+        to.static("plane/rapid", rr.LineStrips2D(moves, colors=GREY, radii=THIN))
     axes = [f"axis {i + 1}" for i in range(n_axes)]
     for path in OF_AXES:
         to.static(path, rr.SeriesLines(names=axes, colors=AXIS_COLOURS[:n_axes]))
@@ -128,23 +137,46 @@ def send_paths(
     strips: dict[str, list[Array]] = {"programmed": [], "motors": [], "tool": []}
     for run, contour, place, start in zip(runs, contours, places, starts, strict=False):
         for name, deviation, _ in (("programmed", 0.0, GREY), *_sides(contour)):
-            strips[name].append(contour.cut(deviation, to.layout.factor) + place)
+            if contour.is_part and name != "programmed":
+                continue
+            strips[name] += [line + place for line in contour.cut(deviation, to.layout.factor)]
+        if contour.is_part:
+            pieces, colours = contour.coloured(to.layout.factor, COLOURED)
+            lines = rr.LineStrips2D([line + place for line in pieces], colors=colours, radii=THICK)
+            to.static(f"paths/tool_{run.k}", lines)
         _send_point(to, "paths/now", run.k, contour, start, place)
     for (name, lines), colour in zip(strips.items(), (GREY, BLUE, ORANGE), strict=True):
         to.static(f"paths/{name}", rr.LineStrips2D(lines, colors=colour))
     heads = [place - np.array([0.0, 0.46 * pitch]) for place in places]
-    labels = [f"k = {run.k}" for run in runs]
+    labels = [f"k = {r.k}{_scale(c)}" for r, c in zip(runs, contours, strict=True)]
     shown = rr.Points2D(heads, radii=0.001, labels=labels, colors=INK, show_labels=True)
     to.static("paths/labels", shown)
 
 
 def send_contour(to: Entities, k: int, contour: Contour, start: float) -> None:
     """Send the magnified paths of one iteration, and the tool moving along its own."""
-    for name, deviation, colour in _sides(contour):
-        strips = [contour.cut(deviation, to.layout.factor)]
-        columns = rr.LineStrips2D.columns(strips=strips, colors=[colour])
-        to.send(f"plane/{name}", start, k, columns)
+    if contour.is_part:
+        strips, colours = contour.coloured(to.layout.factor, COLOURED)
+        columns = rr.LineStrips2D.columns(
+            strips=strips, colors=colours, radii=[THICK] * len(strips)
+        )
+        to.send("plane/tool", start, k, columns.partition([len(strips)]))
+        top = contour.magnified(0.0, 1.0).min(axis=0)  # y points down
+        said = rr.Points2D.columns(positions=[top], labels=[f"k = {k}{_scale(contour)}"])
+        to.send("plane/scale", start, k, said)
+    else:
+        for name, deviation, colour in _sides(contour):
+            strips = contour.cut(deviation, to.layout.factor)
+            columns = rr.LineStrips2D.columns(strips=strips, colors=[colour])
+            to.send(f"plane/{name}", start, k, columns)
     _send_point(to, "plane/tool_now", k, contour, start)
+
+
+def _scale(contour: Contour) -> str:
+    """Largest deviation that the colours of a part's path stand for."""
+    if not contour.is_part:
+        return ""
+    return f": blue −{1e6 * contour.worst:.0f} µm, grey 0, red {1e6 * contour.worst:.0f} µm"
 
 
 def _send_point(

@@ -18,7 +18,7 @@ from ..records.signals import RecordedRun
 from ..records.stored_run import StoredRun
 from ..robot_file.find import find_cell
 from .entities import BLUE, GREY, INK, ORANGE
-from .offscreen import Offscreen, drawn_model, named_camera
+from .offscreen import Offscreen, drawn_model, named_camera, widen
 from .paths import Contour, fitting_magnification
 from .run_scene import REDRAWN, stored_scene
 
@@ -28,8 +28,8 @@ RATE = 12.5
 """Frame rate of a film [Hz]."""
 PALE = [245, 190, 130]
 PILLOW_FORMATS = {".gif": "GIF", ".webp": "WEBP"}
-Line = tuple[Contour, Array | float, Sequence[int], int]
-"""Contour, deviation across it [m], colour, width [pixels]."""
+Line = tuple[Contour, Array | float, Sequence[int] | None, int]
+"""Contour, deviation across it [m], colour (None: by the tool's deviation), width [pixels]."""
 
 
 @dataclass(frozen=True)
@@ -88,6 +88,8 @@ def _row(shots: Shots, factor: float | None, name: str) -> Image.Image:
     title = f"k = {shots.runs[0].k} thin, k = {shots.runs[-1].k} thick"
     motors, tool = (last, last.motor, BLUE, 3), (last, last.tool, ORANGE, 3)
     panel = _Panel(shots.contours, factor)
+    if last.is_part:
+        return _beside(image, panel.draw(f"k = {shots.runs[-1].k}", [(last, last.tool, None, 4)]))
     return _beside(image, panel.draw(title, [(first, first.tool, PALE, 2), motors, tool]))
 
 
@@ -134,6 +136,8 @@ def _images(shots: Shots, factor: float | None, drawn: Callable[[], None]) -> It
                 if panel is not None:
                     cut = shots.contours[i]
                     lines: list[Line] = [(cut, cut.motor, BLUE, 2), (cut, cut.tool, ORANGE, 3)]
+                    if cut.is_part:
+                        lines = [(cut, cut.tool, None, 4)]
                     image = _beside(image, panel.draw(f"k = {run.k}", lines, until=float(time)))
                 yield image
                 drawn()
@@ -143,7 +147,9 @@ def _robot(camera: Offscreen, qpos: Array) -> Image.Image:
     data = mujoco.MjData(camera.mj)
     data.qpos[:] = qpos
     mujoco.mj_forward(camera.mj, data)
-    return Image.fromarray(camera.draw(data, named_camera(camera.mj, "whole")))
+    view = named_camera(camera.mj, "whole")
+    widen(camera.mj, data, view, WIDTH / HEIGHT)
+    return Image.fromarray(camera.draw(data, view))
 
 
 def _beside(robot: Image.Image, panel: Image.Image) -> Image.Image:
@@ -159,7 +165,8 @@ class _Panel:
     def __init__(self, contours: Sequence[Contour], factor: float | None) -> None:
         self.programmed: Line = (contours[0], 0.0, GREY, 2)
         self.factor = factor or fitting_magnification(contours)
-        self.scale = HEIGHT / (contours[0].half_size * 1e3 * 4.4)  # pixels a millimetre
+        room = 2.6 if contours[0].is_part else 4.4  # of magnified deviations
+        self.scale = HEIGHT / (contours[0].half_size * 1e3 * room)  # pixels a millimetre
 
     def draw(self, title: str, lines: Sequence[Line], until: float = np.inf) -> Image.Image:
         """Picture of the programmed path and of lines up to the time `until` [s]."""
@@ -167,6 +174,9 @@ class _Panel:
         pen, ink = ImageDraw.Draw(image), tuple(INK)
         pen.text((20, 14), title, fill=ink, font=ImageFont.load_default(size=22))
         legend = f"grey programmed, blue motors, orange tool; deviation {self.factor:g} times"
+        if (part := lines[-1][0]).is_part:
+            worst = 1e6 * part.worst
+            legend = f"tool: blue -{worst:.0f} um, grey 0, red {worst:.0f} um beside the contour"
         pen.text((20, HEIGHT - 34), legend, fill=ink, font=ImageFont.load_default(size=17))
         self._line(pen, self.programmed, np.inf)
         for line in lines:
@@ -175,8 +185,20 @@ class _Panel:
 
     def _line(self, pen: ImageDraw.ImageDraw, line: Line, until: float) -> None:
         contour, deviation, colour, width = line
+        done = int(np.searchsorted(contour.time, until, side="right"))
+        if colour is None:
+            pieces, colours = contour.coloured(self.factor)
+            for piece, own in zip(pieces[: contour.cutting[:done].sum()], colours, strict=False):
+                self._stroke(pen, piece, own.tolist(), width)
+            return
         points = contour.magnified(deviation, self.factor)
-        shown = points[contour.cutting & (contour.time <= until)] * self.scale + HEIGHT / 2
+        for piece in contour.pieces:
+            self._stroke(pen, points[piece.start : min(piece.stop, done)], colour, width)
+
+    def _stroke(
+        self, pen: ImageDraw.ImageDraw, points: Array, colour: Sequence[int], width: int
+    ) -> None:
+        shown = points * self.scale + HEIGHT / 2
         if len(shown) > 1:
             pen.line([(float(x), float(y)) for x, y in shown], fill=tuple(colour), width=width)
 

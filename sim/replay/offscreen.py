@@ -83,6 +83,23 @@ def named_camera(mj: mujoco.MjModel, name: str) -> mujoco.MjvCamera:
     return camera
 
 
+def widen(mj: mujoco.MjModel, data: mujoco.MjData, camera: mujoco.MjvCamera, aspect: float) -> None:
+    """Widen the angle of a fixed camera where a shape would be cut off.
+
+    data: state after `mj_forward`. aspect: width over height.
+    """
+    if camera.type != mujoco.mjtCamera.mjCAMERA_FIXED:
+        return
+    i, shapes = camera.fixedcamid, mj.geom_rbound > 0.0  # an endless floor has none
+    at = data.geom_xpos[shapes] - data.cam_xpos[i]
+    across = np.abs(at @ data.cam_xmat[i].reshape(3, 3)) + mj.geom_rbound[shapes, np.newaxis]
+    half = np.maximum(across[:, 0] / aspect, across[:, 1]) / (
+        across[:, 2] - 2.0 * mj.geom_rbound[shapes]
+    )
+    angle = 2.0 * float(np.degrees(np.arctan(half.max(initial=0.0))))
+    mj.cam_fovy[i] = max(mj.cam_fovy[i], angle)
+
+
 def _context(width: int, height: int):
     """OpenGL context. Its libraries are looked for when this is called, not before."""
     backend = os.environ.get("MUJOCO_GL", "egl").lower()

@@ -84,8 +84,8 @@ def write_scenes(
     contours = [scene.contours for scene in scenes]
     factor = magnification or min(fitting_magnification(own) for own in contours)
     worst = _worst(scenes)
-    layouts = [_layout(scene, factor, worst) for scene in scenes]
     starts = _starts(scenes)
+    layouts = [_layout(scene, factor, worst, starts) for scene in scenes]
     with recording(path, blueprint(layouts)) as stream:
         for scene, own, layout in zip(scenes, contours, layouts, strict=True):
             _send_scene(entities.Entities(stream, layout), scene, own, starts)
@@ -105,12 +105,21 @@ def _worst(scenes: Sequence[Scene]) -> float:
     return 100.0 * float(np.clip(finite.max(initial=1.0), 1.0, WORST_SHOWN))
 
 
-def _layout(scene: Scene, factor: float, worst: float) -> Layout:
+def _layout(scene: Scene, factor: float, worst: float, starts: Array) -> Layout:
     data = mujoco.MjData(scene.mj)
     data.qpos[:] = scene.runs[0].recording.truth.qpos[0]
     mujoco.mj_kinematics(scene.mj, data)
     height, target = float(data.geom_xpos[:, 2].max()), scene.motion.plane.origin
-    return Layout(name=scene.name, factor=factor, target=target, height=height, worst=worst)
+    end = float(starts[len(scene.runs) - 1] + scene.runs[-1].recording.time[-1])
+    return Layout(
+        name=scene.name,
+        factor=factor,
+        target=target,
+        height=height,
+        worst=worst,
+        end=end,
+        is_part=isinstance(scene.motion, PartMotion) and len(scene.motion.cuts) > 1,
+    )
 
 
 def _send_scene(

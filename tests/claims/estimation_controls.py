@@ -156,8 +156,8 @@ def checks(rows: Rows) -> Iterator[Check]:
 
 
 def draw(file: Path, table: Table) -> None:
-    """Error of the estimate by sensors used and their quality: a bar per variant and pose."""
-    rows = table.rows
+    """Error of the estimate by what it uses, largest first: a bar per variant and pose."""
+    rows = sorted(table.rows, key=lambda row: -np.nanmean([np.nan, *row[1 : 1 + len(POSES)]]))
     figure = new_figure(8.0, 0.34 * len(rows) + 0.9)
     axes = figure.subplots()
     figure.subplots_adjust(left=0.32, right=0.985, bottom=0.07, top=0.95)
@@ -168,6 +168,7 @@ def draw(file: Path, table: Table) -> None:
     axes.set_yticks(place, [str(row[0]) for row in rows])
     axes.set_xlabel("error of the tool's path, 3D RMS [µm]")
     axes.set_title("Error of the estimate by sensors and quality of the IMU", loc="left")
+    axes.set_axisbelow(True)
     axes.grid(True, axis="x", color="#DDDDDD", lw=0.6)
     axes.legend(frameon=False, fontsize=8)
     save(figure, file)

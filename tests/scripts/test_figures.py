@@ -45,7 +45,8 @@ def test_circles_draw_the_deviation_magnified(tmp_path, drawn):
     draw_circles(tmp_path / "c.png", np.array([2e-4, 1e-4]))
     (figure,) = drawn
     for axes, amplitude in zip(figure.axes, (2e-4, 1e-4), strict=True):
-        reference, measured = (np.asarray(line.get_xydata()) * 1e-3 for line in axes.lines)
+        reference, measured, bar = (np.asarray(line.get_xydata()) * 1e-3 for line in axes.lines)
+        np.testing.assert_allclose(np.ptp(bar, axis=0), [10 * 100e-6, 0.0], atol=1e-15)
         np.testing.assert_allclose(reference[:-1], CIRCLE, rtol=1e-12)
         # 0.6 R / 0.2 mm = 15, so 10 times. The foot is on a 400-gon: its sides turn by 2 pi / 400
         # and lie below the circle by up to R (pi / 400)^2 / 2.

@@ -94,6 +94,7 @@ def friction_feedforward(seed: int) -> Part:
         content = {"Tool, RMS [µm]": tool, "Motors, mean of six, ∞-norm [motor mrad]": motors}
         title = "Learning with and without friction feedforward"
         look: dict[str, Any] = {"columns": 2, "wide": True, "log": True, "share_y": False}
+        look["paired"] = True
         figures.panels(folder / "F09.png", title, content, **look)
         first, last = (float(np.median(_ratios(with_it, without, k))) for k in (0, AT))
         what = "motor errors {}, with over without: median of 18"

@@ -35,6 +35,7 @@ def panels(
     log: bool = False,
     columns: int = 3,
     ordered: bool = False,
+    paired: bool = False,
     wide: bool = False,
     share_y: bool = True,
 ) -> None:
@@ -42,13 +43,14 @@ def panels(
 
     content: panel title: curves. x: of all curves; 0, 1, 2 ... if None. ordered: the curves differ
     by an amount, shown by a sequence of colours; otherwise by kind, shown by colour and marker.
+    paired: names are "pose, method": colour and marker are those of the pose, dashes of the method.
     """
     width = 6.2 if len(content) == 1 else 4.4 if wide else 3.1
     height = 2.5 if len(content) > columns else 3.2
     labels = xlabel, ylabel
     with _panels(file, title, content, columns, width, height, *labels, share_y=share_y) as grid:
         for axes, curves in zip(grid, content.values(), strict=True):
-            _draw(axes, curves, x, ordered)
+            _draw(axes, curves, x, ordered, paired)
             if log:
                 logarithmic(axes)
             if x is None:
@@ -66,13 +68,14 @@ def by_motor(
     x: ArrayLike | None = None,
     *,
     log: bool = True,
+    norm: str = "∞-norm",
     **options: Any,
 ) -> None:
     """A panel for each motor; curves: label: (K, 6) over x. options: as those of `panels`."""
     content = {
         f"Motor {i + 1}": {name: values[:, i] for name, values in curves.items()} for i in range(6)
     }
-    panels(file, title, content, x, ylabel="error (9.5), ∞-norm", log=log, **options)
+    panels(file, title, content, x, ylabel=f"error (9.5), {norm}", log=log, **options)
 
 
 def by_position(file: Path, positions: Sequence[str], errors: Array) -> None:
@@ -124,7 +127,8 @@ def distributions(
     file: Path, title: str, content: Mapping[str, Array], bands: Mapping[str, Band]
 ) -> None:
     """Histograms of samples, a panel each; a band that should hold them is shaded."""
-    with _panels(file, title, content, 3, 3.3, 2.6, "", "robots", names=8) as grid:
+    label = "error at k = 5 over that at k = 0"
+    with _panels(file, title, content, 3, 3.3, 2.6, label, "robots", names=8) as grid:
         for axes, (name, values) in zip(grid, content.items(), strict=True):
             axes.hist(values, bins=20, color=COLORS[0])
             left, right = axes.get_xlim()
@@ -140,7 +144,7 @@ def distributions(
 def fields(
     file: Path,
     title: str,
-    content: Mapping[str, tuple[Array, NDArray[np.bool_]]],
+    content: Mapping[str, tuple[Array, NDArray[np.bool_], Sequence[float | None]]],
     rows: Sequence[str],
     columns: Sequence[str],
     *,
@@ -149,21 +153,33 @@ def fields(
 ) -> None:
     """A panel for each phenomenon: its value at every (row, column), coloured where it holds.
 
-    content: name: (values, holds), each of shape (rows, columns).
+    content: name: (values, holds), each of shape (rows, columns), and the ends of the band.
     """
     width, height = 0.52 * len(columns) + 0.8, 0.36 * len(rows) + 0.75
     with _panels(file, title, content, 3, width, height, column_label, row_label, names=8) as grid:
-        for axes, (values, holds) in zip(grid, content.values(), strict=True):
+        for axes, (values, holds, band) in zip(grid, content.values(), strict=True):
             for (i, j), value in np.ndenumerate(values):
                 back, ink = ("#BFE3D6", INK) if holds[i, j] else ("#F6D3C2", "#8A2E00")
                 corner = (j - 0.5, i - 0.5)
                 axes.add_patch(Rectangle(corner, 1.0, 1.0, facecolor=back, edgecolor="white"))
-                axes.text(j, i, f"{value:.2f}", ha="center", va="center", fontsize=7, color=ink)
+                axes.text(
+                    j, i, _beside(value, band), ha="center", va="center", fontsize=7, color=ink
+                )
             axes.set(xlim=(-0.5, len(columns) - 0.5), ylim=(-0.5, len(rows) - 0.5))
             axes.set_xticks(range(len(columns)), columns)
             axes.set_yticks(range(len(rows)), rows)
         note = "green: as in the thesis; orange: not"
         grid[0].figure.text(0.5, 0.02, note, ha="center", fontsize=8)
+
+
+def _beside(value: float, band: Sequence[float | None]) -> str:
+    """A value with two digits after the point, or more, until it is on its own side of a band."""
+    ends = [end for end in band if end is not None]
+    shown = (f"{value:.{n}f}" for n in range(2, 7))
+    return next(
+        (s for s in shown if all(np.sign(float(s) - e) == np.sign(value - e) for e in ends)),
+        f"{value}",
+    )
 
 
 @contextmanager
@@ -201,12 +217,19 @@ def _panels(
             figure.legend(handles, found, loc="lower center", ncols=ncols)
 
 
-def _draw(axes: Any, curves: Curves, x: ArrayLike | None, ordered: bool) -> None:
+def _draw(
+    axes: Any, curves: Curves, x: ArrayLike | None, ordered: bool, paired: bool = False
+) -> None:
     colors = _sequence(len(curves)) if ordered else COLORS
+    of_pose, of_method = (list(dict.fromkeys(n.split(", ")[i] for n in curves)) for i in (0, -1))
     for i, (name, values) in enumerate(curves.items()):
         at = np.arange(np.size(values)) if x is None else np.asarray(x)
-        color, marker = colors[i % len(colors)], MARKERS[i % len(MARKERS)]
-        style = LINE_STYLES[0 if ordered else i // len(COLORS) % len(LINE_STYLES)]
+        kind, dashes = i, 0 if ordered else i // len(COLORS)
+        if paired:
+            pose, method = name.split(", ")
+            kind, dashes = of_pose.index(pose), of_method.index(method)
+        color, marker = colors[kind % len(colors)], MARKERS[kind % len(MARKERS)]
+        style = LINE_STYLES[dashes % len(LINE_STYLES)]
         look: dict[str, Any] = {"color": color, "marker": marker, "ls": style, "ms": 4, "lw": 1.3}
         axes.plot(at, np.asarray(values), label=name, **look)
 

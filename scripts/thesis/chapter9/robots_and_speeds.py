@@ -163,7 +163,8 @@ def _map(
     names = [_heading(check) for check in checks[0][0]]
     values = np.array([[[check.ours for check in cell] for cell in row] for row in checks])
     holds = np.array([[[check.holds for check in cell] for cell in row] for row in checks])
-    content = {name: (values[..., i], holds[..., i]) for i, name in enumerate(names)}
+    ends = [(check.low, check.high) for check in checks[0][0]]
+    content = {name: (values[..., i], holds[..., i], ends[i]) for i, name in enumerate(names)}
     ticks = ([f"{value:g}" for value in values] for values in (rows, MAP_SPEEDS))
     labels = {"row_label": row_label, "column_label": "speed [mm/s]"}
     figures.fields(file, title, content, *ticks, **labels)

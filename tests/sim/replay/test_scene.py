@@ -233,3 +233,22 @@ def test_motors_that_follow_exactly_show_no_deviation_though_the_tool_does(
     ((batch),) = columns(tmp_path / "r.rrd", "arm_error")
     motors = values(batch["scalars"])[motion.on_contour, 1]
     np.testing.assert_allclose(motors, 0.0, rtol=0, atol=1e-3)
+
+
+def test_the_camera_is_widened_until_no_shape_is_cut_off_and_no_further():
+    from armside.sim.replay.offscreen import drawn_model, named_camera, widen
+
+    mj = drawn_model(MJ, LARGE_ROBOT_XML)
+    data, camera = mujoco.MjData(mj), named_camera(mj, "whole")
+    i, wide = camera.fixedcamid, 80.0
+    mj.cam_fovy[i] = 5.0
+    mujoco.mj_forward(mj, data)
+    widen(mj, data, camera, 4.0 / 3.0)
+    x, y, z = ((data.geom_xpos - data.cam_xpos[i]) @ data.cam_xmat[i].reshape(3, 3)).T
+    bodies, half = mj.geom_rbound > 0.0, np.tan(np.radians(0.5 * mj.cam_fovy[i]))
+    assert np.abs(x / z)[bodies].max() < 4.0 / 3.0 * half
+    assert np.abs(y / z)[bodies].max() < half
+    assert 20.0 < mj.cam_fovy[i] < 45.0  # the scene's own is 34, which fits nearly all poses
+    mj.cam_fovy[i] = wide
+    widen(mj, data, camera, 4.0 / 3.0)
+    assert mj.cam_fovy[i] == wide
