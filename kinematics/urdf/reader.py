@@ -15,7 +15,7 @@ import numpy as np
 from armside.arrays import Array
 
 from .. import rigid
-from ..dh import Joint, Limits, Link, Robot
+from ..dh import Joint, Limits, Link, Robot, check_unit
 from ..equations.inertial_model import Body, InertialModel
 from ..rigid import link_transform
 from .document import read_document
@@ -136,6 +136,10 @@ def arm_of(document: Document, base: str | None = None, tip: str | None = None) 
     links, frames = table(axes, T)
     robot = Robot(links, name=document.name)
     moving = [joint for joint in joints if joint.kind is not Kind.FIXED]
+    for joint in moving:
+        for end, value in zip(("lower", "upper"), joint.range, strict=True):
+            quantity = "slide" if joint.kind is Kind.PRISMATIC else "range"
+            check_unit(f"joint {joint.name!r}: limit {end}", quantity, value)
     limits = Limits(
         lower=tuple(joint.range[0] for joint in moving),
         upper=tuple(joint.range[1] for joint in moving),

@@ -12,13 +12,12 @@ import numpy as np
 import tomlkit
 from tomlkit.items import Table
 
-from armside import kinematics
-from armside.kinematics import Joint, Limits, Link, Robot
+from armside.kinematics import Limits, Link, Robot
 from armside.kinematics.robot_file import Arm, robot_tables
-from armside.kinematics.rotation import to_quaternion
 from armside.kinematics.urdf import read_urdf
 
 from .build import Built, build
+from .cell_tables import bent, tool_at
 from .find import load_robot
 from .hardware import DRIVES, EFFECTS, GEARS, Hardware, Key, LinkBody
 from .masses import bodies_of
@@ -27,9 +26,6 @@ from .written import number
 
 _Place = tomlkit.TOMLDocument | Table
 _Value = str | float | Sequence[float]
-_BEND = 0.5
-"""[rad], of each axis away from the middle of its range, at which a first pose is placed: an arm
-that is stretched has a singularity there. ESTIMATE."""
 _DECIMALS = 12
 
 
@@ -88,7 +84,7 @@ def commented(source: Source) -> str:
     Raises ValueError for a robot whose hardware cannot be built.
     """
     robot, limits = source.arm
-    home = start(limits, tuple(link.joint for link in robot.links if link.moves))
+    home = bent(source.arm)
     built = build(robot, limits, source.hardware, home=home)
     tables = robot_tables(robot, limits, number)
     doc = tomlkit.document()
@@ -139,17 +135,6 @@ def _table(values: Mapping[str, Any], note: str) -> Table:
     table.update(values)
     table.comment(note)
     return table
-
-
-def start(limits: Limits, kinds: tuple[Joint, ...]) -> tuple[float, ...]:
-    """Motor angles of a bent arm within the limits, (n,)."""
-    low, high = np.array(limits.lower), np.array(limits.upper)
-    middle, half = (low + high) / 2.0, (high - low) / 2.0
-    middle = np.where((low < 0) & (high > 0), 0.0, middle)
-    signs = np.where(np.arange(len(low)) % 2 == 0, 1.0, -1.0)
-    bend = np.minimum(_BEND, 0.5 * half) * signs
-    bend = np.where([kind is Joint.PRISMATIC for kind in kinds], 0.0, bend)
-    return tuple(np.clip(middle + bend, low, high).round(4).tolist())
 
 
 def _add_masses(doc: _Place, given: Hardware, built: Built, n: int) -> None:
@@ -214,11 +199,11 @@ def _unit(key: Key) -> str:
     return f"[{key.unit}] " if key.unit else ""
 
 
-def _add_pose(doc: _Place, robot: kinematics.Robot, home: tuple[float, ...]) -> None:
-    T = kinematics.compile(robot).pose(np.array(home))
+def _add_pose(doc: _Place, robot: Robot, home: tuple[float, ...]) -> None:
+    at_home = tool_at(robot, home)
     pose = _table({}, "the tool at home")
-    _state(pose, "position", T[:3, 3].round(6).tolist(), "[m]")
-    quaternion = to_quaternion(T[:3, :3]).round(9).tolist()
+    _state(pose, "position", [round(x, 6) for x in at_home.position], "[m]")
+    quaternion = [round(x, 9) for x in at_home.quaternion]
     _state(pose, "quaternion", quaternion, "w first, base to tool")
     poses = tomlkit.table(is_super_table=True)
     poses.add("p1", pose)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from armside.kinematics.dh import check_unit
 from armside.kinematics.robot_file import numbers as parsed
 from armside.kinematics.robot_file import refuse_unknown
 
@@ -162,11 +163,12 @@ def _inertia(where: str, value: Any) -> Six:
 
 
 def _values(where: str, given: Any, keys: Mapping[str, Key], n_axes: int) -> Values:
-    given = table(where, given, tuple(keys))
-    return {
-        name: _numbers(f"{where}: {name}", value, keys[name], n_axes)
-        for name, value in given.items()
-    }
+    given, found = table(where, given, tuple(keys)), dict[str, tuple[float, ...]]()
+    for name, value in given.items():
+        found[name] = _numbers(f"{where}: {name}", value, keys[name], n_axes)
+        for one in found[name]:
+            check_unit(f"{where}: {name}", name, one)
+    return found
 
 
 def _numbers(where: str, value: Any, key: Key, n_axes: int) -> tuple[float, ...]:
