@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 _ENDS = {
     "diverged": "learning diverged at iteration {k}",
     "worse": "learning made the tool worse than before",
+    "saturated": "every drive that was to move was at its torque limit: see `armside robot check`",
 }
 
 

@@ -16,7 +16,7 @@ from ..instruments.laser_tracker import beam
 from ..motion.tool_motion import ToolMotion
 from ..notes import Cause, Note, together
 from ..robot.linkage import checked_loop_error
-from ..robot.recording import saturation
+from ..robot.recording import every_drive_saturates, saturation
 from .experiment import Experiment, Iteration, Pass
 from .specification import Row
 
@@ -95,8 +95,9 @@ def _growth(
     yield Note(cause=Cause.TOOL, text=text)
 
 
-Status = Literal["done", "worse", "diverged"]
-"""End of a run. Worse: it learned from the tool, whose error grew as the tracker sees it."""
+Status = Literal["done", "worse", "diverged", "saturated"]
+"""End of a run. Worse: it learned from the tool, whose error grew as the tracker sees it.
+Saturated: each drive that was to move was at its torque limit in the last run."""
 
 
 def results(
@@ -150,6 +151,8 @@ def status(iterations: Sequence[Iteration], *, of_tool: bool) -> Status:
     first, last = iterations[0], iterations[-1]
     if last.diverged:
         return "diverged"
+    if every_drive_saturates(last.run.recording):
+        return "saturated"
     return "worse" if of_tool and last.tool.rms > GROWTH * first.tool.rms else "done"
 
 

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from armside import kinematics
 from armside.arrays import Array
@@ -29,7 +28,7 @@ from armside.kinematics.robot_file import (
 )
 from armside.kinematics.rotation import to_quaternion
 
-from ..cell import Cell, Learning, ToolPose
+from ..cell import Cell, Learning, ToolPose, tool_at
 from ..robot.virtual_robot import LOG_PERIOD
 from .build import build, cached
 from .hardware import LinkBody, Taken
@@ -88,14 +87,6 @@ def bent(arm: Arm) -> tuple[float, ...]:
     signs = np.where(np.arange(len(low)) % 2 == 0, 1.0, -1.0)
     bend = np.where(arm.robot.slides, 0.0, np.minimum(BEND, 0.5 * half) * signs)
     return tuple(np.clip(middle + bend, low, high).round(4).tolist())
-
-
-def tool_at(robot: kinematics.Robot, phi: ArrayLike) -> ToolPose:
-    """Pose of the tool at motor angles phi (n,)."""
-    T = kinematics.compile(robot).pose(np.array(phi))
-    w, a, b, c = to_quaternion(T[:3, :3]).tolist()
-    x, y, z = T[:3, 3].tolist()
-    return ToolPose((x, y, z), (w, a, b, c))
 
 
 def _of_pose(pose: ToolPose) -> tuple[Taken, ...]:

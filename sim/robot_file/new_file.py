@@ -16,8 +16,9 @@ from armside.kinematics import Limits, Link, Robot
 from armside.kinematics.robot_file import Arm, robot_tables
 from armside.kinematics.urdf import read_urdf
 
+from ..cell import tool_at
 from .build import Built, build
-from .cell_tables import bent, tool_at
+from .cell_tables import bent
 from .find import load_robot
 from .hardware import DRIVES, EFFECTS, GEARS, Hardware, Key, LinkBody
 from .masses import bodies_of

@@ -32,6 +32,21 @@ def test_a_pose_out_of_reach_is_named_with_the_distance():
     assert "reach" in missed.statement
 
 
+def test_the_pose_named_as_the_nearest_reachable_one_can_be_cut_at():
+    asked = ToolPose((3.0, 0.0, 1.0), P1.quaternion)
+    (_, missed) = found(asked)
+    assert missed.nearest is not None
+    off = np.linalg.norm(np.subtract(missed.nearest.pose.position, asked.position))
+    assert missed.nearest.distance == pytest.approx(off, abs=1e-9)
+    reach = 1.6  # [m], of the arm from its base: the tool at full stretch, forwards
+    assert 3.0 - reach < missed.nearest.distance < 1.15 * (3.0 - reach)
+    shown = tuple(round(x, 4) for x in missed.nearest.pose.position)
+    assert ", ".join(map(str, shown)) in str(missed.nearest)
+    w, a, b, c = (round(x, 4) for x in missed.nearest.pose.quaternion)
+    rounded = ToolPose(shown, (w, a, b, c))
+    assert all(check.holds for check in checks_of(found(rounded)))
+
+
 def test_a_pose_at_a_singularity_is_named():
     straight = kinematics.compile(IRB1400_CELL.robot).pose(np.array([0.1, 0.2, 0.1, 0.4, 0.0, 0.2]))
     w, a, b, c = to_quaternion(straight[:3, :3])
