@@ -7,7 +7,7 @@ of an axis at right angles. Standard convention, thesis (3.27).
 """
 
 from dataclasses import dataclass, replace
-from math import atan2
+from math import atan2, pi
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +21,8 @@ from ..rigid import link_transform
 from .document import read_document
 from .links_and_joints import Document, Fault, Inertial, Kind, UrdfJoint, chain, children, summed
 
+SPEED = pi
+"""[rad/s or m/s] of a joint without a greatest speed, as in a robot file."""
 _PARALLEL = 1e-12  # sine between axes that counts as zero
 _NEARLY = 1e-3  # sine below which the common normal may be a thousand arm lengths away
 
@@ -96,6 +98,8 @@ class UrdfArm:
     bodies: tuple[Body, ...] | None
     """One for each link of the robot. None where the file has no masses, or where a joint beside
     the chain moves masses that no serial arm has."""
+    without_speed: tuple[str, ...] = ()
+    """Names of moving joints whose greatest speed the file has as 0 or not at all: `SPEED`."""
 
     def inertial_model(self) -> InertialModel:
         """The robot with its bodies, without drives.
@@ -143,10 +147,12 @@ def arm_of(document: Document, base: str | None = None, tip: str | None = None) 
     limits = Limits(
         lower=tuple(joint.range[0] for joint in moving),
         upper=tuple(joint.range[1] for joint in moving),
-        speed=tuple(joint.speed for joint in moving),
+        speed=tuple(SPEED if joint.speed is None else joint.speed for joint in moving),
     )
     bodies = _bodies(document, joints, places, robot, frames)
-    return UrdfArm(robot, limits, tuple(joint.name for joint in moving), bodies)
+    names = tuple(joint.name for joint in moving)
+    without_speed = tuple(joint.name for joint in moving if joint.speed is None)
+    return UrdfArm(robot, limits, names, bodies, without_speed)
 
 
 def _bodies(

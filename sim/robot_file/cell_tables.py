@@ -6,7 +6,7 @@ in docs/robots.md with units and defaults. Before anything runs, the kinematics 
 compared with those of the file.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -27,6 +27,7 @@ from armside.kinematics.robot_file import (
     refuse_unknown,
 )
 from armside.kinematics.rotation import to_quaternion
+from armside.kinematics.urdf import UrdfArm
 
 from ..cell import Cell, Learning, ToolPose, tool_at
 from ..robot.virtual_robot import LOG_PERIOD
@@ -67,7 +68,7 @@ def cell_of(data: Mapping[str, Any], folder: Path) -> Cell:
     xml, estimates = _hardware(arm, bodies, with_imu, home, data, folder)
     return Cell(
         xml=xml,
-        estimates=(*estimates, *(_of_pose(poses[FIRST_POSE]) if at_home else ())),
+        estimates=(*estimates, *_of_file(data, arm, tree, poses)),
         robot=robot,
         with_imu=with_imu,
         limits=limits,
@@ -89,8 +90,16 @@ def bent(arm: Arm) -> tuple[float, ...]:
     return tuple(np.clip(middle + bend, low, high).round(4).tolist())
 
 
-def _of_pose(pose: ToolPose) -> tuple[Taken, ...]:
-    return (Taken(f"pose {FIRST_POSE}: position", pose.position, "the tool at home"),)
+def _of_file(
+    data: Mapping[str, Any], arm: Arm, tree: UrdfArm | None, poses: Mapping[str, ToolPose]
+) -> Iterator[Taken]:
+    """What neither the file nor its URDF states."""
+    if "pose" not in data:
+        position = poses[FIRST_POSE].position
+        yield Taken(f"pose {FIRST_POSE}: position", position, "the tool at home")
+    if tree is not None and tree.without_speed and "speed" not in data.get("limits", {}):
+        rule = f"ESTIMATE: the URDF has no speed of {', '.join(tree.without_speed)}"
+        yield Taken("limits: speed", arm.limits.speed, rule)
 
 
 def _hardware(

@@ -14,7 +14,7 @@ from tomlkit.items import Table
 
 from armside.kinematics import Limits, Link, Robot
 from armside.kinematics.robot_file import Arm, robot_tables
-from armside.kinematics.urdf import read_urdf
+from armside.kinematics.urdf import UrdfArm, read_urdf
 
 from ..cell import tool_at
 from .build import Built, build
@@ -38,6 +38,8 @@ class Source:
     hardware: Hardware
     origin: str
     """Where it comes from, for the file's first comment."""
+    assumed: str = ""
+    """What the file it comes from does not say and is taken, in a sentence."""
 
 
 def read_source(file: Path, tip: str | None = None) -> Source:
@@ -53,12 +55,21 @@ def read_source(file: Path, tip: str | None = None) -> Source:
         read, kind = (read_urdf, "URDF") if file.suffix == ".urdf" else (read_mjcf, "MJCF")
         arm = read(file, None, tip)
         hardware = Hardware(bodies=bodies_of(arm))
-        return Source(Arm(arm.robot, arm.limits), hardware, f"{kind} {file.name}")
+        assumed = without_speed(arm)
+        return Source(Arm(arm.robot, arm.limits), hardware, f"{kind} {file.name}", assumed)
     if tip is not None:
         raise ValueError(f"tip chooses a chain of a URDF or MJCF, got {file.name}")
     if file.suffix == ".toml":
         return Source(load_robot(str(file)).arm, Hardware(), f"D-H table of {file.name}")
     raise ValueError(f"source must be a .urdf, .xml (MJCF) or .toml (D-H table), got {file.name}")
+
+
+def without_speed(arm: UrdfArm) -> str:
+    """Sentence on the joints whose greatest speed is assumed; empty if there are none."""
+    if not arm.without_speed:
+        return ""
+    names = ", ".join(arm.without_speed)
+    return f"speed of {names} is assumed: the file has 0 or none"
 
 
 def template() -> Source:
@@ -102,7 +113,8 @@ def commented(source: Source) -> str:
     doc.add(tomlkit.nl())
     _note(doc, "D-H table, from the base [m], [rad]")
     doc.add("link", tomlkit.item(links))
-    doc.add("limits", _table(ends, "[rad] and [rad/s]; [m] and [m/s] of a prismatic axis"))
+    units = "[rad] and [rad/s]; [m] and [m/s] of a prismatic axis"
+    doc.add("limits", _table(ends, f"{units}; {source.assumed}" if source.assumed else units))
     _add_masses(doc, source.hardware, built, robot.n_joints)
     _add_drives(doc, built)
     _add_pose(doc, robot, home)

@@ -125,7 +125,8 @@ def test_a_wrong_robot_file_is_one_line_with_file_field_and_what_is_allowed(tmp_
     file.write_text(text.replace("gear_ratio = [50,", "gear_ratio = [-50,"), encoding="utf-8")
     for words in (["robot", "check", str(file)], ["laser", "--robot", str(file)]):
         assert main(words) == 2
-        said = "arm.toml: drives: gear_ratio must be a finite number > 0, got -50"
+        said = "arm.toml: drives: gear_ratio must be a finite number > 0, got -50; "
+        said += "a motor that turns against its axis has 50 here, -1 in coupling"
         assert capsys.readouterr().err.strip() == f"armside: {said}"
 
 

@@ -9,6 +9,7 @@ import pytest
 from armside import assets
 from armside.kinematics import compile, read_robot, robot_toml
 from armside.kinematics.codegen.robot_xml import urdf
+from armside.scripts.cli import main
 from armside.sim.motion.program_file import read_program
 from armside.sim.part.contour_file import read_contour
 from armside.sim.recordings.logs.controller_log import read_columns
@@ -120,6 +121,28 @@ def test_limits_beside_a_urdf_stand_in_place_of_its_own(tmp_path):
     ):
         assert limits.speed == (1.0, 2.0, 3.0, 4.0)
         assert limits.lower == pytest.approx(arm.limits.lower)
+
+
+def test_what_is_taken_for_a_speed_that_a_urdf_lacks_is_said(tmp_path, capsys):
+    text = urdf(*load_robot(str(SCARA)).arm)
+    none = re.sub(r'velocity="[^"]*"', 'velocity="0"', text, count=1)
+    assert none != text
+    (tmp_path / "arm.urdf").write_text(none, encoding="utf-8")
+    (tmp_path / "robot.toml").write_text('urdf = "arm.urdf"\n')
+    estimates = {one.field: one.rule for one in read_cell(tmp_path / "robot.toml").estimates}
+    assert estimates["limits: speed"].endswith("the URDF has no speed of joint_1")
+    assert main(["robot", "new", str(tmp_path / "arm.urdf"), "--out", str(tmp_path / "new")]) == 0
+    said = "speed of joint_1 is assumed: the file has 0 or none"
+    assert f"Note: {said}" in capsys.readouterr().out
+    assert said in (tmp_path / "new" / "robot.toml").read_text(encoding="utf-8")
+
+
+def test_an_inertia_that_rounding_spoiled_is_refused_with_the_nearest(tmp_path):
+    spoiled = r"inertia = \[0.001, 0.001, 0.001\]"
+    with pytest.raises(ValueError, match=r"tool: inertia must .*; the nearest: ") as refused:
+        read_cell(changed(tmp_path, spoiled, "inertia = [0.001, 0.001, 0.0020001]"))
+    nearest = str(refused.value).split("the nearest: ")[1]
+    assert read_cell(changed(tmp_path, spoiled, f"inertia = {nearest}")).robot.n_joints == 4
 
 
 MARKED = {
