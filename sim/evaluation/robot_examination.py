@@ -42,6 +42,12 @@ ROUNDING = 5e-5
 """Of ranges [rad] and speeds [rad/s], which stand in the files with four decimals."""
 
 
+def _rounded(pose: ToolPose) -> ToolPose:
+    """The pose as a person would type it."""
+    (x, y, z), (w, a, b, c) = ([round(v, 4) for v in q] for q in (pose.position, pose.quaternion))
+    return ToolPose((x, y, z), (w, a, b, c))
+
+
 @dataclass(frozen=True)
 class Reachable:
     """A pose within the limits, as near as one was found to a pose that is not."""
@@ -53,8 +59,8 @@ class Reachable:
     """[rad]; 0 where the orientation is free."""
 
     def __str__(self) -> str:
-        lists = ((round(x, 4) for x in row) for row in (self.pose.position, self.pose.quaternion))
-        position, quaternion = (f"[{', '.join(map(str, row))}]" for row in lists)
+        shown = _rounded(self.pose)
+        position, quaternion = list(shown.position), list(shown.quaternion)
         off = f"{1e3 * self.distance:.4g} mm and {np.rad2deg(self.angle):.3g} deg off"
         return f"nearest reachable, {off}: position = {position}, quaternion = {quaternion}"
 
@@ -103,15 +109,26 @@ def checks_of(found: list[NamedPose]) -> list[Check]:
 
 
 def _found(cell: Cell, name: str, pose: ToolPose) -> NamedPose:
-    still = _Still(np.array([pose.position]), np.array([pose.quaternion]))
-    free = cell.free_rotation
     try:
-        (phi,) = joint_reference(
-            still, cell.robot, cell.limits, start=cell.home, free_rotation=free
-        )
+        phi = _motor_angles(cell, pose)
     except ValueError as error:
         return NamedPose(name, None, str(error), float("nan"), _nearest(cell, pose))
     return NamedPose(name, phi, "", _dexterity(cell, phi))
+
+
+def _motor_angles(cell: Cell, pose: ToolPose) -> Array:
+    """(n,) [rad], as of a cut at the pose. Raises ValueError where it is not reached."""
+    still = _Still(np.array([pose.position]), np.array([pose.quaternion]))
+    free, home = cell.free_rotation, cell.home
+    (phi,) = joint_reference(still, cell.robot, cell.limits, start=home, free_rotation=free)
+    return phi
+
+
+def _can_be_cut_at(cell: Cell, pose: ToolPose) -> bool:
+    try:
+        return _dexterity(cell, _motor_angles(cell, pose)) >= LEAST_DEXTERITY
+    except ValueError:
+        return False
 
 
 def _nearest(cell: Cell, pose: ToolPose) -> Reachable:
@@ -133,8 +150,9 @@ def _nearest(cell: Cell, pose: ToolPose) -> Reachable:
     found = [least_squares(miss, start, bounds=ends).x for start in (first, *drawn)]
     within = [phi for phi in found if limits.contain(phi)] or [first]
     best = min(within, key=lambda phi: float(np.linalg.norm(miss(phi))))
-    usable = (best + t * (first - best) for t in np.linspace(0.0, 1.0, 51))
-    best = next((phi for phi in usable if _dexterity(cell, phi) >= LEAST_DEXTERITY), best)
+    path = (best + t * (first - best) for t in np.linspace(0.0, 1.0, 51))
+    usable = (phi for phi in path if _can_be_cut_at(cell, _rounded(tool_at(cell.robot, phi))))
+    best = next(usable, best)
     off = miss(best)
     angle = np.linalg.norm(off[3:]) / weight if weight else 0.0
     return Reachable(tool_at(cell.robot, best), float(np.linalg.norm(off[:3])), float(angle))
