@@ -5,12 +5,12 @@ angles to joint variables. Equations follow from these data: see `symbolic` and 
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
 from numbers import Real
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -233,6 +233,41 @@ class Limits:
             value = phi @ np.asarray(bound.coefficients)
             inside = inside & (value >= bound.lower) & (value <= bound.upper)
         return np.asarray(inside)
+
+
+class Unit(NamedTuple):
+    """Largest size that a quantity of an arm can have, and units that a larger one may be in."""
+
+    most: float
+    unit: str
+    others: tuple[tuple[str, float], ...]
+    """Name, and the factor from it to `unit`."""
+
+
+_DEGREES, _MILLIMETRES = (("degrees", math.pi / 180.0),), (("millimetres", 1e-3),)
+_LENGTH = Unit(20.0, "m", _MILLIMETRES)
+_TURN = Unit(2.0 * math.pi, "rad", _DEGREES)
+UNITS: Mapping[str, Unit] = {
+    "theta": _TURN,
+    "alpha": _TURN,
+    "d": _LENGTH,
+    "a": _LENGTH,
+    "range": Unit(6.0 * math.pi, "rad", _DEGREES),
+    "slide": _LENGTH,
+    "rotor_inertia": Unit(1.0, "kg m^2", (("g cm^2", 1e-7), ("kg cm^2", 1e-4))),
+}
+"""ESTIMATE, each bound: ranges of wrists end at 455 deg (IRB120: 400, KR 16: 350); arms of 4.7 m
+are the longest in factories; the rotors of the large robot have 6e-3 kg m^2 at most."""
+
+
+def check_unit(where: str, quantity: str, value: float) -> None:
+    """Raise ValueError for a number that its unit can never be meant with, with what it would be in
+    another. A number that is no quantity of `UNITS` is not looked at."""
+    if quantity not in UNITS or abs(value) <= UNITS[quantity].most * (1.0 + 1e-9):
+        return
+    most, unit, others = UNITS[quantity]
+    like = " or ".join(f"{name}: {value * factor:.4g} {unit}" for name, factor in others)
+    raise ValueError(f"{where} must be at most {most:.4g} {unit}, got {value:g}; looks like {like}")
 
 
 def degrees(*values: float) -> tuple[float, ...]:

@@ -49,18 +49,27 @@ A gear-error file has the transmission error found in the gears of one arm:
 
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from math import pi
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from .dh import Convention, CoupledRange, Joint, Limits, Link, Robot
+from .dh import Convention, CoupledRange, Joint, Limits, Link, Robot, check_unit
+
+if TYPE_CHECKING:
+    from .urdf import UrdfArm
 
 LARGEST = 1_000_000
 """Bytes of a robot file; a table of joints needs a few thousand."""
 KEYS = ("name", "convention", "offset", "coupling", "link", "limits")
 """Keys of kinematics in a robot file."""
+OF_CELL = (
+    *("model", "urdf", "orientation", "home", "imu", "pose", "program", "learning", "hardware"),
+    *("base", "body", "drives", "gears", "structure", "effects", "tool"),
+)
+"""Keys of a robot file beside them: `armside.sim.robot_file` reads all but the URDF."""
 _LINK = ("theta", "d", "a", "alpha", "joint")
 _LIMITS = ("lower", "upper", "speed")
 _COUPLED = ("coefficients", "lower", "upper")
@@ -92,22 +101,53 @@ class Arm(NamedTuple):
 def read_robot(file: Path) -> Arm:
     """Robot of a file; without limits, revolute joints turn by 180 degrees to either side.
 
+    Tables of hardware and poses are passed over; of a URDF that it names the robot is that.
+
     Raises:
         ValueError: the file is not as described above; the message names file and field.
         OSError: the file cannot be read.
     """
-    return read_toml(file, _arm_and_gears)[0]
+    return read_toml(file, lambda data: _arm_and_gears(data, file.parent))[0]
 
 
 def read_gear_error(file: Path) -> tuple[GearTerm, ...]:
     """Transmission error of a robot file, none where it states none. Raises as `read_robot`."""
-    return read_toml(file, _arm_and_gears)[1]
+    return read_toml(file, lambda data: _arm_and_gears(data, file.parent))[1]
 
 
-def _arm_and_gears(data: Mapping[str, Any]) -> tuple[Arm, tuple[GearTerm, ...]]:
-    refuse_unknown("the file", data, (*KEYS, "gear_error"))
-    arm = arm_of({name: value for name, value in data.items() if name != "gear_error"})
+def _arm_and_gears(data: Mapping[str, Any], folder: Path) -> tuple[Arm, tuple[GearTerm, ...]]:
+    refuse_unknown("the file", data, (*KEYS, "gear_error", *OF_CELL))
+    arm, _ = arm_in(data, folder)
     return arm, _gear_error(arm.robot, data.get("gear_error", []))
+
+
+def arm_in(data: Mapping[str, Any], folder: Path) -> tuple[Arm, "UrdfArm | None"]:
+    """Robot of the D-H table, or of the URDF that the key `urdf` names, beside that.
+
+    Limits that stand beside a URDF are taken in place of its own. Raises as `arm_of`.
+    """
+    own = {name: data[name] for name in KEYS if name in data}
+    if "urdf" not in data:
+        return arm_of(own), None
+    if given := [name for name in own if name not in ("name", "limits")]:
+        raise ValueError(f"urdf has the kinematics: leave out {', '.join(given)}")
+    from .urdf import read_urdf
+
+    file, _, links = str(data["urdf"]).partition("#")
+    base, _, tip = links.rpartition(":")
+    tree = read_urdf(beside(folder, "urdf", file), base or None, tip or None)
+    robot = replace(tree.robot, name=data.get("name", tree.robot.name))
+    return Arm(robot, _limits(robot, own.get("limits", {}), tree.limits)), tree
+
+
+def beside(folder: Path, name: str, given: Any) -> Path:
+    """A file that a robot file in a folder names. Raises ValueError with the name of the field."""
+    if not isinstance(given, str) or not given:
+        raise ValueError(f"{name} must be the name of a file, got {given!r}")
+    file = folder / given
+    if not file.is_file():
+        raise ValueError(f"{name} must be a file, there is no {file}")
+    return file
 
 
 def read_toml(file: Path, made: Callable[[Mapping[str, Any]], Content]) -> Content:
@@ -125,9 +165,15 @@ def read_toml(file: Path, made: Callable[[Mapping[str, Any]], Content]) -> Conte
     if len(text) > LARGEST:
         raise ValueError(f"{file.name}: a robot file has at most {LARGEST} bytes")
     try:
-        return made(tomllib.loads(text.decode()))
+        return made(toml_of(text))
     except (ValueError, TypeError, RecursionError) as error:
         raise ValueError(f"{file.name}: {' '.join(str(error).split())}") from error
+
+
+def toml_of(content: bytes) -> dict[str, Any]:
+    """Tables of the content of a TOML file, with or without the byte order mark that editors on
+    Windows write. Raises ValueError where it is no UTF-8 or no TOML."""
+    return tomllib.loads(content.decode("utf-8-sig"))
 
 
 def arm_of(data: Mapping[str, Any]) -> Arm:
@@ -140,7 +186,7 @@ def arm_of(data: Mapping[str, Any]) -> Arm:
     robot = Robot(
         links,
         _rows("coupling", data["coupling"]) if "coupling" in data else None,
-        numbers("offset", data["offset"]) if "offset" in data else None,
+        _offset(data["offset"]) if "offset" in data else None,
         _choice("convention", convention, Convention),
         name,
     )
@@ -161,18 +207,24 @@ def _link(where: str, row: Any) -> Link:
         raise ValueError(f"{where} must be a table [[link]]")
     refuse_unknown(where, row, _LINK)
     numbers = {name: _number(f"{where}: {name}", row[name]) for name in _LINK[:4] if name in row}
+    for name, value in numbers.items():
+        check_unit(f"{where}: {name}", name, value)
     return Link(**numbers, joint=_choice(f"{where}: joint", row.get("joint", "revolute"), Joint))
 
 
-def _limits(robot: Robot, data: Any) -> Limits:
+def _limits(robot: Robot, data: Any, default: Limits | None = None) -> Limits:
     if not isinstance(data, dict):
         raise ValueError("limits must be a table [limits]")
     refuse_unknown("limits", data, (*_LIMITS, "coupled"))
     n, values = robot.n_joints, {}
-    for name, default in zip(_LIMITS, (-pi, pi, pi), strict=True):
-        values[name] = tuple(numbers(f"limits: {name}", data.get(name, [default] * n)))
+    for name, usual in zip(_LIMITS, (-pi, pi, pi), strict=True):
+        own = [usual] * n if default is None else list(getattr(default, name))
+        values[name] = tuple(numbers(f"limits: {name}", data.get(name, own)))
         if len(values[name]) != n:
             raise ValueError(f"limits: {name} must have {n} numbers, got {len(values[name])}")
+    for name in _LIMITS[:2]:
+        for axis, (slides, end) in enumerate(zip(robot.slides, values[name], strict=True), 1):
+            check_unit(f"limits: {name} of axis {axis}", "slide" if slides else "range", end)
     try:
         return Limits(**values, coupled=_coupled(data.get("coupled", [])))
     except ValueError as error:
@@ -216,6 +268,13 @@ def numbers(name: str, values: Any) -> list[float]:
     if not isinstance(values, list):
         raise ValueError(f"{name} must be a list of numbers, got {values!r}")
     return [_number(name, value) for value in values]
+
+
+def _offset(values: Any) -> list[float]:
+    found = numbers("offset", values)
+    for axis, value in enumerate(found, 1):
+        check_unit(f"offset of axis {axis}", "theta", value)
+    return found
 
 
 def _rows(name: str, values: Any) -> list[list[float]]:

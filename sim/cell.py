@@ -8,9 +8,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from armside import assets, kinematics
 from armside.arrays import Array
+from armside.kinematics.rotation import to_quaternion
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,14 @@ class ToolPose:
         """z axis of the tool in base axes, shape (3,)."""
         w, x, y, z = self.quaternion
         return np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+
+
+def tool_at(robot: kinematics.Robot, phi: ArrayLike) -> ToolPose:
+    """Pose of the tool at motor angles phi (n,) [rad]."""
+    T = kinematics.compile(robot).pose(np.array(phi, dtype=np.float64))
+    w, a, b, c = to_quaternion(T[:3, :3]).tolist()
+    x, y, z = T[:3, 3].tolist()
+    return ToolPose((x, y, z), (w, a, b, c))
 
 
 def _normalised(*q: float) -> tuple[float, float, float, float]:

@@ -1,5 +1,6 @@
 """Inertial model of a robot: bodies on its links, motors on its joints, gravity."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,7 @@ from ..dh import Robot, checked, symbols_of
 if TYPE_CHECKING:
     from ..dh import Scalar
 
+_OFFERED = 1e-4  # relative: how far inside the inequalities an inertia is offered
 _SLACK = 1e-9  # relative: how far rounding may take an inertia below the triangle inequality
 
 
@@ -46,8 +48,20 @@ def _check_inertia(inertia: tuple[Any, ...]) -> None:
     if moments[0] < -slack or moments[2] > moments[0] + moments[1] + slack:
         raise ValueError(
             f"inertia {inertia} is not physically consistent: principal moments "
-            f"{moments.tolist()} must be >= 0 and obey the triangle inequality"
+            f"{moments.tolist()} must be >= 0 and obey the triangle inequality; the nearest: "
+            f"{nearest_inertia(inertia)}"
         )
+
+
+def nearest_inertia(inertia: Sequence[float]) -> list[float]:
+    """The inertia (xx, yy, zz, xy, xz, yz) nearest to one that no body has, with six digits."""
+    xx, yy, zz, xy, xz, yz = map(float, inertia)
+    moments, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    moments = np.maximum(moments, _OFFERED * np.abs(moments).max())
+    missing = max(moments[2] * (1.0 + _OFFERED) - moments[0] - moments[1], 0.0) / 3.0
+    tensor = axes @ np.diag(moments + missing * np.array([1.0, 1.0, -1.0])) @ axes.T
+    places = (0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)
+    return [float(f"{tensor[place]:.6g}") for place in places]
 
 
 @dataclass(frozen=True, kw_only=True)

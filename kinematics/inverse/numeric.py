@@ -98,7 +98,7 @@ def inverse_numeric(
     if outcome.any():
         k = int(np.argmax(outcome != kernel.FOUND))
         remains = error[k] if outcome[k] == kernel.OPEN else np.zeros(6)
-        raise NotConvergedError(robot, k, n, phi[k], remains * (np.arange(6) < rows))
+        raise NotConvergedError(robot, k, n, phi[k], np.where(np.arange(6) < rows, remains, 0.0))
     return phi[0] if single else phi
 
 

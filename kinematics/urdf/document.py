@@ -4,7 +4,7 @@ A document is read as UTF-8 text of bounded size, without a document type and so
 """
 
 from collections.abc import Collection, Iterator
-from math import inf, pi
+from math import inf
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
@@ -93,14 +93,14 @@ def joint_of(element: Element, name: str, links: Collection[str]) -> UrdfJoint:
     try:
         numbers = _numbers(where, kind, element)
     except ValueError as error:
-        nowhere = np.eye(4), np.array([1.0, 0.0, 0.0]), (-inf, inf), pi
+        nowhere = np.eye(4), np.array([1.0, 0.0, 0.0]), (-inf, inf), None
         return UrdfJoint(name, kind, parent, child, *nowhere, mimics, str(error))
     return UrdfJoint(name, kind, parent, child, *numbers, mimics)
 
 
 def _numbers(
     where: str, kind: Kind, element: Element
-) -> tuple[Array, Array, tuple[float, float], float]:
+) -> tuple[Array, Array, tuple[float, float], float | None]:
     """Origin, axis, range and greatest speed."""
     origin, axis = transform(where, element), _axis(where, kind, element)
     return origin, axis, _range(where, kind, element), _speed(where, kind, element)
@@ -124,13 +124,14 @@ def _axis(where: str, kind: Kind, element: Element) -> Array:
     return axis / length
 
 
-def _speed(where: str, kind: Kind, element: Element) -> float:
+def _speed(where: str, kind: Kind, element: Element) -> float | None:
+    """None where it is absent, or 0 as in files whose author had none."""
     if kind is Kind.FIXED:
-        return pi
-    speed = number(f"{where}: limit velocity", attribute(element, "limit", "velocity") or pi)
-    if speed <= 0:
-        raise ValueError(f"{where}: limit velocity must be > 0, got {speed:g}")
-    return speed
+        return None
+    speed = number(f"{where}: limit velocity", attribute(element, "limit", "velocity") or 0.0)
+    if speed < 0:
+        raise ValueError(f"{where}: limit velocity must be >= 0, got {speed:g}")
+    return speed or None
 
 
 def _range(where: str, kind: Kind, element: Element) -> tuple[float, float]:

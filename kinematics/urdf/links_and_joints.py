@@ -40,8 +40,8 @@ class UrdfJoint:
     axis: Array
     range: tuple[float, float]
     """[rad or m]; a whole turn to either side for a continuous joint."""
-    speed: float
-    """[rad/s or m/s]; pi where the file has none, as in a robot file."""
+    speed: float | None
+    """[rad/s or m/s]; None where the file has none."""
     mimics: str | None
     fault: str | None = None
     """What is wrong with it; a chain without the joint may be used all the same."""
@@ -71,11 +71,14 @@ class Document:
     joints: tuple[UrdfJoint, ...]
 
 
+TOOL = "tool0"
+"""Link or site that is the tip by default: the tool's frame by the convention of ROS-Industrial."""
 _MOST_NAMES = 12  # tips that a message lists
 
 
 def chain(document: Document, base: str | None, tip: str | None) -> tuple[UrdfJoint, ...]:
-    """Joints from the base to the tip; by default from the root to the only end of the tree.
+    """Joints from the base to the tip; by default from the root to `tool0` or the only end of the
+    tree that moves.
 
     Raises:
         ValueError: the file is no tree, the links are not on one branch, several branches and no
@@ -140,10 +143,25 @@ def _only_end(document: Document, base: str) -> str:
         links += [joint.child for joint in below[link]]
         if not below[link]:
             ends.append(link)
+    parents = _parents(document)
+    if len(ends) > 1:
+        ends = [end for end in ends if _moves(parents, base, end)] or ends
+    if TOOL in ends:
+        return TOOL
     if len(ends) > 1:
         names = _listed(sorted(ends))
-        raise ValueError(f"has several branches; choose a tip link, as in FILE.urdf#TIP: {names}")
+        how = "`robot new --tip TIP`, elsewhere FILE#TIP"
+        raise ValueError(f"has several branches; choose a tip link, by {how}: {names}")
     return ends[0]
+
+
+def _moves(parents: dict[str, UrdfJoint], base: str, link: str) -> bool:
+    """True where a joint between the base and a link below it moves."""
+    while link != base:
+        if parents[link].kind is not Kind.FIXED:
+            return True
+        link = parents[link].parent
+    return False
 
 
 def _check(joint: UrdfJoint) -> None:

@@ -7,7 +7,7 @@ of an axis at right angles. Standard convention, thesis (3.27).
 """
 
 from dataclasses import dataclass, replace
-from math import atan2
+from math import atan2, pi
 from pathlib import Path
 
 import numpy as np
@@ -15,12 +15,14 @@ import numpy as np
 from armside.arrays import Array
 
 from .. import rigid
-from ..dh import Joint, Limits, Link, Robot
+from ..dh import Joint, Limits, Link, Robot, check_unit
 from ..equations.inertial_model import Body, InertialModel
 from ..rigid import link_transform
 from .document import read_document
 from .links_and_joints import Document, Fault, Inertial, Kind, UrdfJoint, chain, children, summed
 
+SPEED = pi
+"""[rad/s or m/s] of a joint without a greatest speed, as in a robot file."""
 _PARALLEL = 1e-12  # sine between axes that counts as zero
 _NEARLY = 1e-3  # sine below which the common normal may be a thousand arm lengths away
 
@@ -96,6 +98,8 @@ class UrdfArm:
     bodies: tuple[Body, ...] | None
     """One for each link of the robot. None where the file has no masses, or where a joint beside
     the chain moves masses that no serial arm has."""
+    without_speed: tuple[str, ...] = ()
+    """Names of moving joints whose greatest speed the file has as 0 or not at all: `SPEED`."""
 
     def inertial_model(self) -> InertialModel:
         """The robot with its bodies, without drives.
@@ -136,13 +140,19 @@ def arm_of(document: Document, base: str | None = None, tip: str | None = None) 
     links, frames = table(axes, T)
     robot = Robot(links, name=document.name)
     moving = [joint for joint in joints if joint.kind is not Kind.FIXED]
+    for joint in moving:
+        for end, value in zip(("lower", "upper"), joint.range, strict=True):
+            quantity = "slide" if joint.kind is Kind.PRISMATIC else "range"
+            check_unit(f"joint {joint.name!r}: limit {end}", quantity, value)
     limits = Limits(
         lower=tuple(joint.range[0] for joint in moving),
         upper=tuple(joint.range[1] for joint in moving),
-        speed=tuple(joint.speed for joint in moving),
+        speed=tuple(SPEED if joint.speed is None else joint.speed for joint in moving),
     )
     bodies = _bodies(document, joints, places, robot, frames)
-    return UrdfArm(robot, limits, tuple(joint.name for joint in moving), bodies)
+    names = tuple(joint.name for joint in moving)
+    without_speed = tuple(joint.name for joint in moving if joint.speed is None)
+    return UrdfArm(robot, limits, names, bodies, without_speed)
 
 
 def _bodies(

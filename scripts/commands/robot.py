@@ -190,8 +190,9 @@ def _new(model: Path | None, cfg: RobotCfg, report: Report, common: Common) -> N
     with checking_input():
         source = template() if model is None else read_source(model, cfg.tip)
         files = {"robot.toml": commented(source)}
-    found = {"files": sorted(files), "axes": source.arm.robot.n_joints}
+    found = {"files": sorted(files), "axes": source.arm.robot.n_joints, "assumed": source.assumed}
     outcome = _summary("new", source.origin, model, common, found)
+    report.notes([source.assumed] if source.assumed else [])
     report.texts(files, outcome)
     report.summary(outcome)
 

@@ -27,10 +27,26 @@ def numbers(examined: Examination) -> dict[str, Any]:
         "highest_mode": examined.highest_mode,
         "axes": axes_of(examined),
         "poses": [
-            {"pose": one.name, "dexterity": one.dexterity, "problem": one.problem}
+            {
+                "pose": one.name,
+                "dexterity": one.dexterity,
+                "problem": one.problem,
+                "nearest": one.nearest,
+            }
             for one in examined.poses
         ],
         "estimates": estimates_of(examined),
+        "usual": [
+            {
+                "quantity": one.usual.quantity,
+                "unit": one.usual.unit,
+                "values": one.values,
+                "range": one.range,
+                "inside": one.inside,
+                "source": one.usual.source,
+            }
+            for one in examined.usual
+        ],
     }
 
 
@@ -95,6 +111,7 @@ def print_check(report: Report, found: dict[str, Any], checks: list[Check]) -> N
         f"time step {1e3 * found['time_step']:g} ms"
     )
     print_estimates(report, found["estimates"])
+    _print_usual(report, found["usual"])
     rows = [(check.statement, check.ours, check.band, check.verdict) for check in checks]
     report.table("Verdicts", ("quantity", "value", "allowed", "verdict"), rows)
 
@@ -115,6 +132,21 @@ def _axis_row(one: dict[str, Any]) -> tuple[Any, ...]:
     ranges = (factor * float(one[name]) for name in ("lower", "upper", "speed"))
     others = (float(one[name]) for name in ("gear", "torque_limit", "rotor_inertia"))
     return one["axis"], *ranges, unit, *others, round(float(one["holding"]), 4)
+
+
+def _print_usual(report: Report, usual: list[dict[str, Any]]) -> None:
+    rows = [
+        (
+            f"{one['quantity']} [{one['unit']}]" if one["unit"] else one["quantity"],
+            " ".join(f"{value:.3g}" for value in one["values"]),
+            "{:.2g} to {:.2g}".format(*one["range"]),
+            "usual" if one["inside"] else "unusual",
+            one["source"],
+        )
+        for one in usual
+    ]
+    heads = "quantity", "this robot", "usual", "", "range around"
+    report.table("Plausibility, beside arms of that reach", heads, rows)
 
 
 def print_estimates(report: Report, estimates: list[dict[str, Any]]) -> None:

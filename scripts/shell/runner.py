@@ -5,7 +5,7 @@ import errno
 import os
 import sys
 import traceback
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TextIO
 
 from armside.sim.records.run_folder import PUBLISHED
 
@@ -98,6 +98,8 @@ def begin(*, debug: bool) -> None:
     sys.stderr.reconfigure(line_buffering=True)  # type: ignore[union-attr]
     if not debug:
         _silence_libraries()
+    if sys.stderr.isatty() and "--quiet" not in sys.argv:
+        announce_compiling(sys.stderr, debug=debug)
     SIGNALS.handle()
 
 
@@ -106,6 +108,18 @@ def _open(descriptor: int) -> None:
         os.fstat(descriptor)
     except OSError:
         os.dup2(os.open(os.devnull, os.O_RDWR), descriptor)
+
+
+def announce_compiling(stream: TextIO, *, debug: bool) -> None:
+    """A line on a terminal for each function that is compiled: the first command of a new robot
+    takes up to half a minute. Warnings of the cache are for those who debug."""
+    import logging
+
+    handler, log = logging.StreamHandler(stream), logging.getLogger("armside.kinematics.cache")
+    handler.setFormatter(logging.Formatter("armside: %(message)s"))
+    handler.addFilter(lambda record: debug or record.levelno == logging.INFO)
+    log.addHandler(handler)
+    log.setLevel(logging.INFO)
 
 
 def _silence_libraries() -> None:

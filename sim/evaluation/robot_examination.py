@@ -8,8 +8,9 @@ import numpy as np
 
 from armside import kinematics
 from armside.arrays import Array
+from armside.kinematics.rotation import from_quaternion
 
-from ..cell import Cell, ToolPose
+from ..cell import Cell, ToolPose, tool_at
 from ..motion.tool_motion import joint_reference
 from ..robot.kinematics_check import (
     POSITION,
@@ -23,6 +24,7 @@ from ..robot.linkage import LARGEST_GAP
 from ..robot.model import RobotModel
 from ..robot.statics import Statics, natural_frequencies
 from .check import Check
+from .usual_ranges import POSSIBLE, USUAL, Usual
 
 LEAST_DEXTERITY = 0.005
 """Of a named pose. ESTIMATE: the poses of thesis (9.3), near a wrist singularity, have 0.016 and
@@ -34,8 +36,33 @@ HIGHEST_MODE = 0.3
 unstable."""
 LOWEST_MODE = 1.0
 """[Hz], motors locked; an arm that is softer has a spring without stiffness. ESTIMATE."""
+_RADIAN, _STARTS = 0.3, 8
+"""[m] that a radian counts where no pose within the limits is reached, and starts. ESTIMATE."""
 ROUNDING = 5e-5
 """Of ranges [rad] and speeds [rad/s], which stand in the files with four decimals."""
+
+
+def _rounded(pose: ToolPose) -> ToolPose:
+    """The pose as a person would type it."""
+    (x, y, z), (w, a, b, c) = ([round(v, 4) for v in q] for q in (pose.position, pose.quaternion))
+    return ToolPose((x, y, z), (w, a, b, c))
+
+
+@dataclass(frozen=True)
+class Reachable:
+    """A pose within the limits, as near as one was found to a pose that is not."""
+
+    pose: ToolPose
+    distance: float
+    """[m], from the pose that was asked for."""
+    angle: float
+    """[rad]; 0 where the orientation is free."""
+
+    def __str__(self) -> str:
+        shown = _rounded(self.pose)
+        position, quaternion = list(shown.position), list(shown.quaternion)
+        off = f"{1e3 * self.distance:.4g} mm and {np.rad2deg(self.angle):.3g} deg off"
+        return f"nearest reachable, {off}: position = {position}, quaternion = {quaternion}"
 
 
 @dataclass(frozen=True)
@@ -50,6 +77,8 @@ class NamedPose:
     dexterity: float
     """Least over greatest singular value of the Jacobian of what a contour sets: the tool's pose,
     or its position where the orientation is free. 0 at a singularity, NaN where not reached."""
+    nearest: Reachable | None = None
+    """Of a pose that is not reached."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +97,8 @@ def checks_of(found: list[NamedPose]) -> list[Check]:
     missed = [one for one in found if one.motor_angle is None]
     what = "named poses out of reach or limits"
     if missed:
-        what += f" ({missed[0].name}: {missed[0].problem})"
+        others = "".join(f"; {one.name}" for one in missed[1:])
+        what += f" ({missed[0].name}: {missed[0].problem}; {missed[0].nearest}{others})"
     checks = [_check(what, len(missed), high=0.0)]
     reached = [one for one in found if one.motor_angle is not None]
     if reached:
@@ -79,15 +109,53 @@ def checks_of(found: list[NamedPose]) -> list[Check]:
 
 
 def _found(cell: Cell, name: str, pose: ToolPose) -> NamedPose:
-    still = _Still(np.array([pose.position]), np.array([pose.quaternion]))
-    free = cell.free_rotation
     try:
-        (phi,) = joint_reference(
-            still, cell.robot, cell.limits, start=cell.home, free_rotation=free
-        )
+        phi = _motor_angles(cell, pose)
     except ValueError as error:
-        return NamedPose(name, None, str(error), float("nan"))
+        return NamedPose(name, None, str(error), float("nan"), _nearest(cell, pose))
     return NamedPose(name, phi, "", _dexterity(cell, phi))
+
+
+def _motor_angles(cell: Cell, pose: ToolPose) -> Array:
+    """(n,) [rad], as of a cut at the pose. Raises ValueError where it is not reached."""
+    still = _Still(np.array([pose.position]), np.array([pose.quaternion]))
+    free, home = cell.free_rotation, cell.home
+    (phi,) = joint_reference(still, cell.robot, cell.limits, start=home, free_rotation=free)
+    return phi
+
+
+def _can_be_cut_at(cell: Cell, pose: ToolPose) -> bool:
+    try:
+        return _dexterity(cell, _motor_angles(cell, pose)) >= LEAST_DEXTERITY
+    except ValueError:
+        return False
+
+
+def _nearest(cell: Cell, pose: ToolPose) -> Reachable:
+    """Least squares of position and orientation within the limits, the best of several starts;
+    from there towards home until it is no singularity, so that it can be cut at."""
+    from scipy.optimize import least_squares
+    from scipy.spatial.transform import Rotation
+
+    tool, limits = kinematics.compile(cell.robot).pose, cell.limits
+    R, weight = from_quaternion(np.array(pose.quaternion)), 0.0 if cell.free_rotation else _RADIAN
+
+    def miss(phi: Array) -> Array:
+        T = tool(phi)
+        turn = Rotation.from_matrix(T[:3, :3] @ R.T).as_rotvec()
+        return np.r_[T[:3, 3] - pose.position, weight * turn]
+
+    ends, (zero, *drawn) = (limits.lower, limits.upper), configurations(limits)[:_STARTS]
+    first = np.clip(zero if cell.home is None else cell.home, *ends)
+    found = [least_squares(miss, start, bounds=ends).x for start in (first, *drawn)]
+    within = [phi for phi in found if limits.contain(phi)] or [first]
+    best = min(within, key=lambda phi: float(np.linalg.norm(miss(phi))))
+    path = (best + t * (first - best) for t in np.linspace(0.0, 1.0, 51))
+    usable = (phi for phi in path if _can_be_cut_at(cell, _rounded(tool_at(cell.robot, phi))))
+    best = next(usable, best)
+    off = miss(best)
+    angle = np.linalg.norm(off[3:]) / weight if weight else 0.0
+    return Reachable(tool_at(cell.robot, best), float(np.linalg.norm(off[:3])), float(angle))
 
 
 def _dexterity(cell: Cell, phi: Array) -> float:
@@ -110,6 +178,26 @@ class Agreement:
     """[rad]."""
     at: Array
     """(n,) [rad], motor angles of the greatest difference."""
+
+
+@dataclass(frozen=True)
+class Beside:
+    """Numbers of a robot beside their usual range."""
+
+    usual: Usual
+    values: Array
+    reach: float
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Ends for the robot's reach."""
+        return self.usual.range(self.reach)
+
+    @property
+    def inside(self) -> bool:
+        """True where every number is in the range; of a rigid arm without modes too."""
+        low, high = self.range
+        return bool(((self.values >= low) & (self.values <= high)).all())
 
 
 @dataclass(frozen=True)
@@ -154,12 +242,45 @@ class Examination:
         return float(np.linalg.norm(T[:, :3, 3], axis=1).max())
 
     @cached_property
+    def horizontal_reach(self) -> float:
+        """Greatest distance of the tool from the base's z-axis [m], as data sheets have it."""
+        T, _ = site_poses(self.model, self.configurations)
+        return float(np.linalg.norm(T[:, :2, 3], axis=1).max())
+
+    @cached_property
     def holding(self) -> Array:
         """(n,), greatest torque of gravity over the torque limit of each drive."""
         still, drives = np.zeros_like(self.configurations), self.model.drives
         statics = Statics(self.model)
         torque = statics.motor_torque(statics.rigid_forces(self.configurations, still, still))
         return np.abs(torque).max(axis=0) / np.abs(drives.gear) / drives.torque_limit
+
+    @cached_property
+    def acceleration(self) -> Array:
+        """(n,) [rad/s^2], of each axis alone at home by the peak torque of its drive, without
+        gravity and friction; [m/s^2] of a prismatic axis."""
+        n, drives, statics = self.cell.robot.n_joints, self.model.drives, Statics(self.model)
+        phi = np.tile(np.zeros(n) if self.cell.home is None else self.cell.home, (n + 1, 1))
+        still, moved = np.zeros_like(phi), np.vstack((np.zeros(n), np.eye(n)))
+        torque = statics.motor_torque(statics.rigid_forces(phi, still, moved))
+        inertia = np.abs(np.diag(torque[1:] - torque[0]))
+        return np.abs(drives.gear) * drives.torque_limit / inertia
+
+    @cached_property
+    def usual(self) -> list[Beside]:
+        """Numbers of the robot beside the usual ranges of arms of its reach."""
+        turning = ~np.array(self.cell.robot.slides)
+        values = {
+            "reach": [self.horizontal_reach],
+            "mass": [self.mass],
+            "holding": [self.holding.max()],
+            "acceleration": self.acceleration[turning],
+            "lowest_mode": self.locked_modes[:1],
+            "gear": np.abs(self.model.drives.gear)[turning],
+        }
+        return [
+            Beside(USUAL[name], np.array(values[name]), self.horizontal_reach) for name in values
+        ]
 
     @cached_property
     def locked_modes(self) -> Array:
@@ -204,6 +325,15 @@ class Examination:
         """Named poses of the cell, as its controller reaches them."""
         return named_poses(self.cell)
 
+    def _accelerations(self) -> list[Check]:
+        """Verdicts on the axis whose drive is furthest from what arms of this reach have."""
+        low, high = USUAL["acceleration"].range(self.horizontal_reach)
+        far = np.abs(np.log(self.acceleration / np.sqrt(low * high)))
+        axis = int(np.argmax(far))
+        what = f"peak torque over inertia, axis {axis + 1} [1/s^2]"
+        ends = low / POSSIBLE, high * POSSIBLE
+        return [_check(what, self.acceleration[axis], *ends)]
+
     def checks(self) -> list[Check]:
         """Verdicts, each with its number and band."""
         faster = np.max(np.array(self.cell.limits.speed) - self.model.drives.speed_limit)
@@ -223,6 +353,7 @@ class Examination:
             _check(stops, margin, low=-float(np.rad2deg(ROUNDING))),
             _check("controller's speed above the drive's [rad/s]", faster, high=ROUNDING),
             _check("torque of gravity over the drive's limit", self.holding.max(), high=1.0),
+            *self._accelerations(),
             _check("bodies with an impossible inertia", wrong, high=0.0),
             _check("highest mode of the springs times time step", fastest, high=HIGHEST_MODE),
         ]

@@ -16,7 +16,7 @@ from ..instruments.laser_tracker import beam
 from ..motion.tool_motion import ToolMotion
 from ..notes import GROWTH, Cause, Note, together
 from ..robot.linkage import checked_loop_error
-from ..robot.recording import saturation
+from ..robot.recording import every_drive_saturates, saturation
 from .experiment import Experiment, Iteration, Pass
 from .specification import Row
 
@@ -95,7 +95,8 @@ def _growth(
 
 Status = Literal["done", "worse", "diverged", "saturated"]
 """End of a run. Worse: it learned from the tool, whose error grew as the tracker sees it.
-Saturated: at the end an axis ran into its hard stop, or the drives of all reached their torque."""
+Saturated: at the end an axis ran into its hard stop, or each drive that was to move was at its
+torque limit."""
 
 
 def results(
@@ -150,9 +151,8 @@ def status(iterations: Sequence[Iteration], *, of_tool: bool) -> Status:
     if last.diverged:
         return "diverged"
     recording = last.run.recording
-    torque = [axis for name, axis, _ in recording.limits_hit if name == "torque"]
     stopped = any(name == "joint" for name, *_ in recording.limits_hit)
-    if stopped or len(set(torque)) == recording.n_axes:
+    if stopped or every_drive_saturates(recording):
         return "saturated"
     return "worse" if of_tool and last.tool.rms > GROWTH * first.tool.rms else "done"
 

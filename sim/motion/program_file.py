@@ -51,7 +51,7 @@ def read_program(path: Path, n_axes: int = 6, dynamics: Dynamics = Dynamics()) -
 
     Raises ProgramError with file, line and reason, OSError where the file cannot be read.
     """
-    text = path.read_text(encoding="utf-8")
+    text = path.read_text(encoding="utf-8-sig")
     return parse_program(text, source=path.name, n_axes=n_axes, dynamics=dynamics)
 
 

@@ -10,7 +10,6 @@ place in the drawing does not count. Anything else is refused, as it would not b
 arcs they must join smoothly; corners of lines alone are rounded.
 """
 
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -18,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from armside.arrays import Array
+from armside.kinematics.robot_file import toml_of
 
 from ..motion.contour import ArcsAndLines, Circle, ClosedCurve, chord
 from .arcs import MM, Chain, place
@@ -170,8 +170,8 @@ def read_contour(file: Path, corner: float | None = None) -> ClosedCurve:
 
 def _from_toml(file: Path, corner: float | None) -> ClosedCurve:
     try:
-        data = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        data = toml_of(file.read_bytes())
+    except ValueError as error:
         raise ValueError(f"{file.name}: {error}") from error
     if unknown := [name for name in data if name not in ("points", "corner")]:
         raise ValueError(f"{file.name}: {unknown[0]} is not known here. Known: corner, points")

@@ -97,7 +97,8 @@ def learning(rows: Sequence[Row]) -> dict[str, list[float]]:
     curves["tool maximum"] = [row["arm_maxdev"] for row in rows]
     # None becomes NaN: a measure is missing where the beam was lost or the run diverged.
     arrays = {name: np.array(values, dtype=np.float64) for name, values in curves.items()}
-    return {name: (values / values[0]).tolist() for name, values in arrays.items()}
+    # A motor that did not move has an error of 0, which stays 0.
+    return {name: (v / (v[0] if v[0] else 1.0)).tolist() for name, v in arrays.items()}
 
 
 def about(outcome: Mapping[str, Any]) -> str:

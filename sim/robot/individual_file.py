@@ -4,7 +4,6 @@ docs/formats.md has all parameters and the keys of `[[hidden]]`, a table for eac
 Parameters that are left out are those of the design.
 """
 
-import tomllib
 from collections.abc import Collection, Mapping
 from dataclasses import asdict, fields
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from armside.arrays import Array
-from armside.kinematics.robot_file import refuse_unknown
+from armside.kinematics.robot_file import refuse_unknown, toml_of
 
 from .individual import HiddenHinge, Individual
 
@@ -51,7 +50,7 @@ def read_individual(file: Path) -> Individual:
     if len(text) > LARGEST:
         raise ValueError(f"{file.name}: a file of an individual has at most {LARGEST} bytes")
     try:
-        return _individual(tomllib.loads(text.decode()))
+        return _individual(toml_of(text))
     except (ValueError, TypeError, OverflowError, RecursionError) as error:
         raise ValueError(f"{file.name}: {' '.join(str(error).split())}") from error
 

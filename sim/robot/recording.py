@@ -115,6 +115,17 @@ _MEANING = {
 }
 
 
+_MOVES = 1e-6
+"""[rad] or [m], range of a reference beyond which it is a motion: that of 10 um at 10 m."""
+
+
+def every_drive_saturates(recording: Recording) -> bool:
+    """True where each axis that is to move, one at least, reached its torque limit."""
+    at_limit = {axis for limit, axis, _ in recording.limits_hit if limit == "torque"}
+    moved = np.flatnonzero(np.ptp(recording.reference, axis=0) > _MOVES) + 1
+    return moved.size > 0 and at_limit.issuperset(moved.tolist())
+
+
 def saturation(recording: Recording) -> Iterable[Note]:
     """A note for each kind of limit, with its axes."""
     for limit, meaning in _MEANING.items():

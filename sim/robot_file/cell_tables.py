@@ -1,12 +1,12 @@
 """Cells on disk: a robot with its hardware or model, poses and programs in TOML.
 
 The kinematics are those of a robot file (`armside.kinematics.robot_file`) or of a URDF. Beside them
-stand `OWN` keys: model or tables of hardware, poses, programs, default design. docs/robots.md has
-all keys with units and defaults. Before anything runs, the kinematics of a model are compared with
-those of the file.
+stand the keys `OF_CELL`: model or tables of hardware, poses, programs, default design, all of them
+in docs/robots.md with units and defaults. Before anything runs, the kinematics of a model are
+compared with those of the file.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,16 +18,18 @@ from armside.arrays import Array
 from armside.kinematics import Joint
 from armside.kinematics.robot_file import (
     KEYS,
+    OF_CELL,
     Arm,
-    arm_of,
+    arm_in,
+    beside,
     links_of,
     numbers,
     refuse_unknown,
 )
 from armside.kinematics.rotation import to_quaternion
-from armside.kinematics.urdf import read_urdf
+from armside.kinematics.urdf import UrdfArm
 
-from ..cell import Cell, Learning, ToolPose
+from ..cell import Cell, Learning, ToolPose, tool_at
 from ..robot.virtual_robot import LOG_PERIOD
 from .build import build, cached
 from .hardware import LinkBody, Taken
@@ -35,31 +37,38 @@ from .masses import bodies_of
 from .reading import TABLES, needs, read_hardware
 from .reading import table as checked
 
-OWN = ("model", "urdf", "orientation", "home", "imu", "pose", "program", "learning", *TABLES)
-"""Keys beside those of kinematics."""
 _LEARNING = ("gamma", "delta", "cutoff")
 _UNIT = 1e-3
 """Largest difference of a quaternion's length from 1."""
 _NYQUIST = 0.5 / LOG_PERIOD
+FIRST_POSE = "p1"
+BEND = 0.5
+"""[rad], of each axis away from the middle of its range, at which a first pose is placed: an arm
+that is stretched has a singularity there. ESTIMATE."""
 HELD_FROM = 6
 """Axes from which on the tool's orientation is held by default."""
 
 
 def cell_of(data: Mapping[str, Any], folder: Path) -> Cell:
     """Cell of the tables of a file in a folder. Raises ValueError with the name of the field."""
-    refuse_unknown("the file", data, (*KEYS, *OWN))
-    arm, bodies = _arm(data, folder)
+    refuse_unknown("the file", data, (*KEYS, *OF_CELL))
+    arm, tree = arm_in(data, folder)
     robot, limits = arm
     home = _vector("home", data["home"], robot.n_joints) if "home" in data else None
+    at_home = "pose" not in data
+    if home is None and at_home:
+        home = bent(arm)
     if home is not None and not limits.contain(home):
         raise ValueError(f"home must be within the limits, got {list(home)}")
-    with_imu, poses = _with_imu(robot, data), _poses(data.get("pose"))
+    with_imu = _with_imu(robot, data)
+    poses = {FIRST_POSE: tool_at(robot, home)} if home and at_home else _poses(data["pose"])
     programs = _programs(data.get("program", {}), folder)
     free, learning = _free(data, robot.n_joints), _learning(data.get("learning"))
+    bodies = () if tree is None else bodies_of(tree)
     xml, estimates = _hardware(arm, bodies, with_imu, home, data, folder)
     return Cell(
         xml=xml,
-        estimates=estimates,
+        estimates=(*estimates, *_of_file(data, arm, tree, poses)),
         robot=robot,
         with_imu=with_imu,
         limits=limits,
@@ -69,6 +78,28 @@ def cell_of(data: Mapping[str, Any], folder: Path) -> Cell:
         free_rotation=free,
         learning=learning,
     )
+
+
+def bent(arm: Arm) -> tuple[float, ...]:
+    """Motor angles of a bent arm within the limits, (n,)."""
+    low, high = np.array(arm.limits.lower), np.array(arm.limits.upper)
+    middle, half = (low + high) / 2.0, (high - low) / 2.0
+    middle = np.where((low < 0) & (high > 0), 0.0, middle)
+    signs = np.where(np.arange(len(low)) % 2 == 0, 1.0, -1.0)
+    bend = np.where(arm.robot.slides, 0.0, np.minimum(BEND, 0.5 * half) * signs)
+    return tuple(np.clip(middle + bend, low, high).round(4).tolist())
+
+
+def _of_file(
+    data: Mapping[str, Any], arm: Arm, tree: UrdfArm | None, poses: Mapping[str, ToolPose]
+) -> Iterator[Taken]:
+    """What neither the file nor its URDF states."""
+    if "pose" not in data:
+        position = poses[FIRST_POSE].position
+        yield Taken(f"pose {FIRST_POSE}: position", position, "the tool at home")
+    if tree is not None and tree.without_speed and "speed" not in data.get("limits", {}):
+        rule = f"ESTIMATE: the URDF has no speed of {', '.join(tree.without_speed)}"
+        yield Taken("limits: speed", arm.limits.speed, rule)
 
 
 def _hardware(
@@ -83,7 +114,7 @@ def _hardware(
     if "model" in data:
         if given := [name for name in TABLES if name in data]:
             raise ValueError(f"model has the hardware: leave out {', '.join(given)}")
-        return _beside(folder, "model", data["model"]), ()
+        return beside(folder, "model", data["model"]), ()
     hardware = read_hardware(data, arm.robot.n_joints)
     if not hardware.bodies:
         hardware = replace(hardware, bodies=bodies)
@@ -91,34 +122,11 @@ def _hardware(
     return cached(arm.robot.name, built.text), built.taken
 
 
-def _arm(data: Mapping[str, Any], folder: Path) -> tuple[Arm, tuple[LinkBody, ...]]:
-    """Robot of the D-H table, or of a URDF file with the bodies of its moving links, if any."""
-    of_table = {name: data[name] for name in KEYS if name in data}
-    if "urdf" not in data:
-        return arm_of(of_table), ()
-    if given := [name for name in of_table if name != "name"]:
-        raise ValueError(f"urdf has the kinematics: leave out {', '.join(given)}")
-    file, _, links = str(data["urdf"]).partition("#")
-    base, _, tip = links.rpartition(":")
-    tree = read_urdf(_beside(folder, "urdf", file), base or None, tip or None)
-    robot = replace(tree.robot, name=data.get("name", tree.robot.name))
-    return Arm(robot, tree.limits), bodies_of(tree)
-
-
 def _with_imu(robot: kinematics.Robot, data: Mapping[str, Any]) -> kinematics.Robot:
     if "imu" not in data:
         return robot
     links = [replace(link, joint=Joint.FIXED) for link in links_of("imu", data["imu"])]
     return replace(robot, links=(*robot.links, *links), name=f"{robot.name} with IMU")
-
-
-def _beside(folder: Path, name: str, given: Any) -> Path:
-    if not isinstance(given, str) or not given:
-        raise ValueError(f"{name} must be the name of a file, got {given!r}")
-    file = folder / given
-    if not file.is_file():
-        raise ValueError(f"{name} must be a file, there is no {file}")
-    return file
 
 
 def _free(data: Mapping[str, Any], n_axes: int) -> bool:
@@ -169,7 +177,7 @@ def _programs(table: Any, folder: Path) -> dict[str, tuple[Path, ...]]:
         if not isinstance(files, list):
             raise ValueError(f"program: {name} must be a list of files, got {files!r}")
     return {
-        name: tuple(_beside(folder, f"program: {name}", file) for file in files)
+        name: tuple(beside(folder, f"program: {name}", file) for file in files)
         for name, files in table.items()
     }
 

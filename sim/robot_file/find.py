@@ -45,11 +45,9 @@ def read_cell(file: Path) -> Cell:
 
 def is_cell_file(name: str) -> bool:
     """True for a TOML file that has more than the kinematics of a robot."""
-    from armside.kinematics.robot_file import read_toml
+    from armside.kinematics.robot_file import OF_CELL, read_toml
 
-    from .cell_tables import OWN
-
-    return name.endswith(".toml") and bool(read_toml(Path(name), lambda d: set(d) & set(OWN)))
+    return name.endswith(".toml") and bool(read_toml(Path(name), lambda d: set(d) & set(OF_CELL)))
 
 
 class KnownRobot(NamedTuple):
@@ -81,7 +79,7 @@ def load_robot(name: str, *, masses: bool = False) -> KnownRobot:
     if name in CATALOGUE:
         return KnownRobot(CATALOGUE[name])
     if name.endswith(".toml"):
-        return KnownRobot(_arm_of_file(name))
+        return KnownRobot(read_robot(Path(name)))
     if file.endswith(".urdf"):
         return _of_tree(read_urdf(Path(file), base or None, tip or None))
     if file.endswith(".xml"):
@@ -90,13 +88,6 @@ def load_robot(name: str, *, masses: bool = False) -> KnownRobot:
         return _of_tree(read_mjcf(Path(file), base or None, tip or None))
     known = f"{', '.join(CATALOGUE)}, or a robot file (.toml, .urdf, .xml)"
     raise ValueError(f"Unknown robot {name!r}. It can be: {known}")
-
-
-def _arm_of_file(name: str) -> Arm:
-    if not is_cell_file(name):
-        return read_robot(Path(name))
-    cell = read_cell(Path(name))
-    return Arm(cell.robot, cell.limits)
 
 
 def _of_tree(tree: UrdfArm) -> KnownRobot:

@@ -118,6 +118,9 @@ def _shares(
         length = float(lengths[0])
         rule = f"ESTIMATE: {PER_CUBE:g} kg/m^3 times the stretched length {length:.3g} m cubed"
         total = float(report.take("hardware: mass", [PER_CUBE * max(length, 0.1) ** 3], rule)[0])
+    least = float(known[~missing].sum()) + (base or 0.0)
+    if total is not None and not missing.any() and total < least * (1.0 - 1e-9):
+        raise ValueError(_TOO_LIGHT.format(total, least))
     if missing.any():
         per_weight = _per_weight(total, base, known, weight)
         rule = "ESTIMATE: in proportion to the length of the arm from the joint on"
@@ -131,6 +134,9 @@ def _shares(
     return known, base
 
 
+_TOO_LIGHT = "hardware: mass must exceed that of base and links, got {:g} kg and {:g} kg"
+
+
 def _per_weight(total: float | None, base: float | None, known: Array, weight: Array) -> float:
     """Mass over weight [kg/m] of the links without a mass of their own."""
     missing = np.isnan(known)
@@ -139,10 +145,7 @@ def _per_weight(total: float | None, base: float | None, known: Array, weight: A
     moving = (1.0 - BASE) * total if base is None else total - base
     left = moving - float(known[~missing].sum())
     if left <= 0.0:
-        raise ValueError(
-            f"hardware: mass must exceed that of base and links, got {total:g} kg and "
-            f"{total - left:g} kg"
-        )
+        raise ValueError(_TOO_LIGHT.format(total, total - left))
     return left / float(weight[missing].sum())
 
 

@@ -7,7 +7,7 @@ of the file (qpos).
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import inf, pi
+from math import inf
 from pathlib import Path
 
 import mujoco
@@ -18,6 +18,7 @@ from armside.kinematics import Body, Robot, rotation
 from armside.kinematics.rigid import link_frames, transform
 from armside.kinematics.urdf import UrdfArm
 from armside.kinematics.urdf.links_and_joints import (
+    TOOL,
     WHOLE_TURN,
     Document,
     Fault,
@@ -108,7 +109,7 @@ def _joint(mj: mujoco.MjModel, joint: int, mount: _Mount, child: str) -> UrdfJoi
         origin=origin,
         axis=axis,
         range=_range(mj, joint, kind),
-        speed=pi,
+        speed=None,
         mimics=_leader(mj, joint),
     )
 
@@ -146,7 +147,7 @@ def _sites(mj: mujoco.MjModel) -> Iterator[UrdfJoint]:
 def _fixed(name: str, mount: _Mount, child: str) -> UrdfJoint:
     axis = np.array([0.0, 0.0, 1.0])
     fixed, limits = Kind.FIXED, (-inf, inf)
-    return UrdfJoint(name, fixed, mount.link, child, mount.place, axis, limits, pi, None)
+    return UrdfJoint(name, fixed, mount.link, child, mount.place, axis, limits, None, None)
 
 
 def _inertial(mj: mujoco.MjModel, body: int) -> Inertial | Fault | None:
@@ -163,10 +164,6 @@ def _inertial(mj: mujoco.MjModel, body: int) -> Inertial | Fault | None:
 
 def _placed(position: Array, quaternion: Array) -> Array:
     return transform(rotation.from_quaternion(quaternion), position)
-
-
-TOOL = "tool0"
-"""Site that is the tip by default."""
 
 
 def read_mjcf(file: Path, base: str | None = None, tip: str | None = None) -> UrdfArm:

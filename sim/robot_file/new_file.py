@@ -12,13 +12,13 @@ import numpy as np
 import tomlkit
 from tomlkit.items import Table
 
-from armside import kinematics
-from armside.kinematics import Joint, Limits, Link, Robot
+from armside.kinematics import Limits, Link, Robot
 from armside.kinematics.robot_file import Arm, robot_tables
-from armside.kinematics.rotation import to_quaternion
-from armside.kinematics.urdf import read_urdf
+from armside.kinematics.urdf import UrdfArm, read_urdf
 
+from ..cell import tool_at
 from .build import Built, build
+from .cell_tables import bent
 from .find import load_robot
 from .hardware import DRIVES, EFFECTS, GEARS, Hardware, Key, LinkBody
 from .masses import bodies_of
@@ -27,9 +27,6 @@ from .written import number
 
 _Place = tomlkit.TOMLDocument | Table
 _Value = str | float | Sequence[float]
-_BEND = 0.5
-"""[rad], of each axis away from the middle of its range, at which a first pose is placed: an arm
-that is stretched has a singularity there. ESTIMATE."""
 _DECIMALS = 12
 
 
@@ -41,6 +38,8 @@ class Source:
     hardware: Hardware
     origin: str
     """Where it comes from, for the file's first comment."""
+    assumed: str = ""
+    """What the file it comes from does not say and is taken, in a sentence."""
 
 
 def read_source(file: Path, tip: str | None = None) -> Source:
@@ -56,12 +55,21 @@ def read_source(file: Path, tip: str | None = None) -> Source:
         read, kind = (read_urdf, "URDF") if file.suffix == ".urdf" else (read_mjcf, "MJCF")
         arm = read(file, None, tip)
         hardware = Hardware(bodies=bodies_of(arm))
-        return Source(Arm(arm.robot, arm.limits), hardware, f"{kind} {file.name}")
+        assumed = without_speed(arm)
+        return Source(Arm(arm.robot, arm.limits), hardware, f"{kind} {file.name}", assumed)
     if tip is not None:
         raise ValueError(f"tip chooses a chain of a URDF or MJCF, got {file.name}")
     if file.suffix == ".toml":
         return Source(load_robot(str(file)).arm, Hardware(), f"D-H table of {file.name}")
     raise ValueError(f"source must be a .urdf, .xml (MJCF) or .toml (D-H table), got {file.name}")
+
+
+def without_speed(arm: UrdfArm) -> str:
+    """Sentence on the joints whose greatest speed is assumed; empty if there are none."""
+    if not arm.without_speed:
+        return ""
+    names = ", ".join(arm.without_speed)
+    return f"speed of {names} is assumed: the file has 0 or none"
 
 
 def template() -> Source:
@@ -88,7 +96,7 @@ def commented(source: Source) -> str:
     Raises ValueError for a robot whose hardware cannot be built.
     """
     robot, limits = source.arm
-    home = start(limits, tuple(link.joint for link in robot.links if link.moves))
+    home = bent(source.arm)
     built = build(robot, limits, source.hardware, home=home)
     tables = robot_tables(robot, limits, number)
     doc = tomlkit.document()
@@ -105,7 +113,8 @@ def commented(source: Source) -> str:
     doc.add(tomlkit.nl())
     _note(doc, "D-H table, from the base [m], [rad]")
     doc.add("link", tomlkit.item(links))
-    doc.add("limits", _table(ends, "[rad] and [rad/s]; [m] and [m/s] of a prismatic axis"))
+    units = "[rad] and [rad/s]; [m] and [m/s] of a prismatic axis"
+    doc.add("limits", _table(ends, f"{units}; {source.assumed}" if source.assumed else units))
     _add_masses(doc, source.hardware, built, robot.n_joints)
     _add_drives(doc, built)
     _add_pose(doc, robot, home)
@@ -139,17 +148,6 @@ def _table(values: Mapping[str, Any], note: str) -> Table:
     table.update(values)
     table.comment(note)
     return table
-
-
-def start(limits: Limits, kinds: tuple[Joint, ...]) -> tuple[float, ...]:
-    """Motor angles of a bent arm within the limits, (n,)."""
-    low, high = np.array(limits.lower), np.array(limits.upper)
-    middle, half = (low + high) / 2.0, (high - low) / 2.0
-    middle = np.where((low < 0) & (high > 0), 0.0, middle)
-    signs = np.where(np.arange(len(low)) % 2 == 0, 1.0, -1.0)
-    bend = np.minimum(_BEND, 0.5 * half) * signs
-    bend = np.where([kind is Joint.PRISMATIC for kind in kinds], 0.0, bend)
-    return tuple(np.clip(middle + bend, low, high).round(4).tolist())
 
 
 def _add_masses(doc: _Place, given: Hardware, built: Built, n: int) -> None:
@@ -214,11 +212,11 @@ def _unit(key: Key) -> str:
     return f"[{key.unit}] " if key.unit else ""
 
 
-def _add_pose(doc: _Place, robot: kinematics.Robot, home: tuple[float, ...]) -> None:
-    T = kinematics.compile(robot).pose(np.array(home))
+def _add_pose(doc: _Place, robot: Robot, home: tuple[float, ...]) -> None:
+    at_home = tool_at(robot, home)
     pose = _table({}, "the tool at home")
-    _state(pose, "position", T[:3, 3].round(6).tolist(), "[m]")
-    quaternion = to_quaternion(T[:3, :3]).round(9).tolist()
+    _state(pose, "position", [round(x, 6) for x in at_home.position], "[m]")
+    quaternion = [round(x, 9) for x in at_home.quaternion]
     _state(pose, "quaternion", quaternion, "w first, base to tool")
     poses = tomlkit.table(is_super_table=True)
     poses.add("p1", pose)

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from armside.kinematics.dh import check_unit
+from armside.kinematics.equations.inertial_model import nearest_inertia
 from armside.kinematics.robot_file import numbers as parsed
 from armside.kinematics.robot_file import refuse_unknown
 
@@ -156,17 +158,19 @@ def _inertia(where: str, value: Any) -> Six:
     if low <= 0.0 or high > (low + middle) * (1.0 + _SLACK):
         raise ValueError(
             f"{where} must have principal moments above 0 of which none exceeds the sum of the "
-            f"other two, got {low:.4g}, {middle:.4g}, {high:.4g}"
+            f"other two, got {low:.4g}, {middle:.4g}, {high:.4g}; the nearest: "
+            f"{nearest_inertia(six)}"
         )
     return six  # pyright: ignore[reportReturnType] - the size is checked
 
 
 def _values(where: str, given: Any, keys: Mapping[str, Key], n_axes: int) -> Values:
-    given = table(where, given, tuple(keys))
-    return {
-        name: _numbers(f"{where}: {name}", value, keys[name], n_axes)
-        for name, value in given.items()
-    }
+    given, found = table(where, given, tuple(keys)), dict[str, tuple[float, ...]]()
+    for name, value in given.items():
+        found[name] = _numbers(f"{where}: {name}", value, keys[name], n_axes)
+        for one in found[name]:
+            check_unit(f"{where}: {name}", name, one)
+    return found
 
 
 def _numbers(where: str, value: Any, key: Key, n_axes: int) -> tuple[float, ...]:
@@ -175,6 +179,10 @@ def _numbers(where: str, value: Any, key: Key, n_axes: int) -> tuple[float, ...]
     if len(listed) != size:
         one = " or one number" if key.size == EACH and n_axes > 1 else ""
         raise ValueError(f"{where} must have {size} numbers{one}, got {len(listed)}")
+    for one in listed:
+        if key is DRIVES["gear_ratio"] and _is_number(one) and one < 0.0:
+            against = f"a motor that turns against its axis has {-one:g} here, -1 in coupling"
+            raise ValueError(f"{where} must be a finite number > 0, got {one:g}; {against}")
     return tuple(
         scalar(where, one, key.unit, key.low, strict=key.strict, high=key.high) for one in listed
     )

@@ -2,12 +2,14 @@
 
 import logging
 import os
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from armside.kinematics import Link, Robot, cache, compile
+from armside.scripts.shell.runner import announce_compiling
 
 PLANAR = Robot([Link(a=0.5), Link(a=0.25)])
 EXPECTED = [0.75, 0.0, 0.0]
@@ -48,6 +50,20 @@ def test_damaged_files_are_made_again_with_a_note(folder, ending, damage, caplog
     cache._LOADED.clear()
     assert tool(folder) == EXPECTED
     assert not caplog.text
+
+
+def test_what_is_compiled_is_announced_on_a_terminal_and_once(tmp_path, monkeypatch):
+    """In a handler of the command line's own, whose stream is the terminal."""
+    stream, log = StringIO(), logging.getLogger(cache.__name__)
+    monkeypatch.setattr(log, "handlers", [])
+    announce_compiling(stream, debug=False)
+    assert tool(tmp_path / "new") == EXPECTED
+    log.warning("damaged")
+    assert stream.getvalue() == "armside: compiling pose, once on this machine\n"
+    monkeypatch.setattr(cache, "_LOADED", {})
+    assert tool(tmp_path / "new") == EXPECTED
+    assert stream.getvalue().count("\n") == 1
+    log.setLevel(logging.NOTSET)
 
 
 def test_a_missing_file_of_machine_code_is_made_again(folder, caplog):

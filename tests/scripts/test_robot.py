@@ -76,7 +76,7 @@ def test_the_robots_of_the_project_pass_every_verdict(name, capsys):
     outcome, _ = said(capsys, "check", "--robot", name)
     assert outcome["status"] == "done"
     assert all(check["holds"] for check in outcome["checks"])
-    assert len(outcome["checks"]) == 13
+    assert len(outcome["checks"]) == 14
     assert [one["pose"] for one in outcome["poses"]] == ["p1", "p2", "p3"]
     model = load_model(CELLS[name].xml)
     assert outcome["mass"] == pytest.approx(model.mj.body_mass.sum())

@@ -10,7 +10,7 @@ from armside.sim.imu import ImuExperiment
 from armside.sim.imu import prepare as prepare_imu
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, MotorAngles, Source, ToolPath, iterate, learn, prepare
-from armside.sim.laser.results import notes, pass_notes, results
+from armside.sim.laser.results import notes, pass_notes, results, status
 from armside.sim.motion.contour import square
 from armside.sim.motion.planner import slower_moves
 from armside.sim.motion.timing import PathLimits
@@ -69,6 +69,15 @@ def test_a_saturated_drive_is_named():
         "speed limit of axis 5 is reached",
         "hard stop of axis 1 is reached",
     ]
+
+
+@pytest.mark.parametrize(("axes", "ends"), [((1, 2, 3, 4, 5, 6), "saturated"), ((2, 3), "done")])
+def test_a_run_whose_every_drive_saturates_is_not_done(axes, ends):
+    _, iteration = cut_once(Cut())
+    hits = tuple(("torque", axis, 0.4) for axis in axes)
+    recording = replace(iteration.run.recording, limits_hit=hits)
+    run = replace(iteration.run, recording=recording)
+    assert status([replace(iteration, run=run)], of_tool=False) == ends
 
 
 def test_a_lost_beam_is_said():

@@ -4,7 +4,6 @@ Its form says which columns hold time, angles and reference, and their units.
 """
 
 import re
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -16,6 +15,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from armside.arrays import Array
+from armside.kinematics.robot_file import toml_of
 
 from ...records.files import LARGEST_DATA, InputError, check_file, reading
 from .columns import Diadem, TextTable, read_diadem, read_text
@@ -112,7 +112,7 @@ def read_columns(file: Path) -> LogForm:
     Raises InputError for keys and values that are not allowed.
     """
     with reading(check_file(file)):
-        content = tomllib.loads(file.read_text(encoding="utf-8"))
+        content = toml_of(file.read_bytes())
     if unknown := sorted(set(content) - {*TEXTS, *NAMES}):
         allowed = ", ".join((*TEXTS, *NAMES))
         raise InputError(f"{file.name}: unknown key {unknown[0]}. Keys: {allowed}")

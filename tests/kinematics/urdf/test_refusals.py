@@ -2,9 +2,12 @@
 
 import re
 
+import numpy as np
 import pytest
 
-from armside.kinematics import read_urdf
+from armside.kinematics import Body, read_urdf
+from armside.kinematics.equations.inertial_model import nearest_inertia
+from armside.kinematics.urdf.reader import SPEED
 
 ARM = """<robot name="arm"><link name="base"/>
 <link name="one"><inertial><mass value="2"/>
@@ -37,7 +40,8 @@ def refused(tmp_path, text, **ends) -> str:
         ('<mass value="2"/>', '<mass value="nan"/>', "mass must be a number up to 1e+06"),
         ('ixx="0.1"', 'ixx="0.9"', "link 'one': inertia .* triangle inequality"),
         ('lower="-1" upper="1"', 'lower="1" upper="-1"', "limit lower must be below upper"),
-        ('velocity="2"', 'velocity="0"', "joint 'j1': limit velocity must be > 0"),
+        ('velocity="2"', 'velocity="-1"', "joint 'j1': limit velocity must be >= 0"),
+        ('ixx="0.1"', 'ixx="0.2001"', r"the nearest: \[0\.2000.*, 0\.1000.*, 0\.1000"),
         ('type="revolute"', 'type="rotary"', "type must be one of revolute, continuous"),
         ('type="revolute"', 'type="floating"', "joint 'j1' is floating; a chain may have"),
         ('type="revolute"', 'type="planar"', "joint 'j1' is planar; a chain may have"),
@@ -55,10 +59,39 @@ def test_each_fault_is_one_line(old, new, complaint, tmp_path):
     assert re.search(complaint.replace("+", r"\+"), message), message
 
 
+@pytest.mark.parametrize(("fixed_to", "name"), [("one", "tool0"), ("base", "eye")])
+def test_the_tip_is_the_frame_of_the_tool_or_the_only_end_that_moves(fixed_to, name, tmp_path):
+    joint = (
+        f'<joint name="f" type="fixed"><parent link="{fixed_to}"/><child link="{name}"/></joint>'
+    )
+    text = ARM.replace("</robot>", f'<link name="{name}"/>{joint}</robot>')
+    (file := tmp_path / "arm.urdf").write_text(text)
+    assert read_urdf(file).joints == (("j1",) if name == "tool0" else ("j1", "j2"))
+
+
+@pytest.mark.parametrize("stated", ['velocity="0"', ""])
+def test_a_joint_without_a_speed_is_named(stated, tmp_path):
+    (file := tmp_path / "arm.urdf").write_text(ARM.replace('velocity="2"', stated, 1))
+    arm = read_urdf(file)
+    assert arm.without_speed == ("j1",)
+    assert arm.limits.speed == (SPEED, 2.0)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_nearest_inertia_is_one_that_a_body_has_and_near_where_rounding_missed_it(seed):
+    rng = np.random.default_rng(seed)
+    half = rng.normal(size=(3, 3))
+    six = np.array([half[i] @ half[j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))])
+    Body(mass=1, inertia=(*nearest_inertia(six),))  # of any tensor, such as one of second moments
+    flat = np.array([1.0, 2.0, 3.0, 0.0, 0.0, 0.0]) * (1.0 + 1e-4 * rng.uniform(0, 1, 6))
+    np.testing.assert_allclose(nearest_inertia(flat), flat, atol=1e-3)
+
+
 def test_a_tree_without_a_tip_names_its_ends(tmp_path):
     joint = '<joint name="j3" type="fixed"><parent link="one"/><child link="eye"/></joint>'
     text = ARM.replace("</robot>", f'<link name="eye"/>{joint}</robot>')
-    assert "choose a tip link, as in FILE.urdf#TIP: eye, two" in refused(tmp_path, text)
+    message = refused(tmp_path, text)
+    assert "choose a tip link, by `robot new --tip TIP`, elsewhere FILE#TIP: eye, two" in message
     assert "links: base, one, two, eye" in refused(tmp_path, text, tip="tow")
     assert "no joint moves" in refused(tmp_path, text, base="one", tip="eye")
     assert "no chain leads" in refused(tmp_path, text, base="two", tip="eye")

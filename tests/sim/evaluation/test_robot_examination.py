@@ -13,8 +13,8 @@ from armside.sim.evaluation.robot_examination import LEAST_DEXTERITY, checks_of,
 P1 = IRB1400_CELL.poses["p1"]
 
 
-def found(pose):
-    return named_poses(replace(IRB1400_CELL, poses={"p1": P1, "own": pose}))
+def found(pose, *, free=False):
+    return named_poses(replace(IRB1400_CELL, poses={"p1": P1, "own": pose}, free_rotation=free))
 
 
 def test_a_pose_is_reached_by_its_motor_angles():
@@ -30,6 +30,23 @@ def test_a_pose_out_of_reach_is_named_with_the_distance():
     assert not missed.holds
     assert "own" in missed.statement
     assert "reach" in missed.statement
+
+
+@pytest.mark.parametrize("free", [True, False])
+def test_the_pose_named_as_the_nearest_reachable_one_can_be_cut_at(free):
+    """With a free orientation the nearest point is that of the stretched arm, a singularity."""
+    asked = ToolPose((3.0, 0.0, 1.0), P1.quaternion)
+    (_, missed) = found(asked, free=free)
+    assert missed.nearest is not None
+    off = np.linalg.norm(np.subtract(missed.nearest.pose.position, asked.position))
+    assert missed.nearest.distance == pytest.approx(off, abs=1e-9)
+    reach = 1.6  # [m], of the arm from its base: the tool at full stretch, forwards
+    assert 3.0 - reach < missed.nearest.distance < 1.15 * (3.0 - reach)
+    shown = tuple(round(x, 4) for x in missed.nearest.pose.position)
+    assert ", ".join(map(str, shown)) in str(missed.nearest)
+    w, a, b, c = (round(x, 4) for x in missed.nearest.pose.quaternion)
+    rounded = ToolPose(shown, (w, a, b, c))
+    assert all(check.holds for check in checks_of(found(rounded, free=free)))
 
 
 def test_a_pose_at_a_singularity_is_named():

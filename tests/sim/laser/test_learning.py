@@ -240,7 +240,13 @@ def test_a_correction_keeps_its_place_on_the_path_at_another_speed():
     ],
 )
 def test_a_run_that_learned_from_the_tool_and_made_it_worse_ends_so(rms, diverged, of_tool, end):
-    first, last = (SimpleNamespace(tool=SimpleNamespace(rms=r), diverged=False) for r in rms)
+    recording = SimpleNamespace(limits_hit=(), reference=np.zeros((2, 6)))
+    first, last = (
+        SimpleNamespace(
+            tool=SimpleNamespace(rms=r), diverged=False, run=SimpleNamespace(recording=recording)
+        )
+        for r in rms
+    )
     last.diverged = diverged
     ended: Any = [first, last]
     assert status(ended, of_tool=of_tool) == end

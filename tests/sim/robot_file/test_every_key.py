@@ -25,7 +25,7 @@ MAY_BE_ZERO = SIGNED | {"link"} | {
     name for keys in (DRIVES, GEARS, EFFECTS) for name, key in keys.items() if not key.strict
 }  # fmt: skip
 REQUIRED = {
-    *{"link", "pose", "position", "coefficients", "gamma", "delta", "cutoff"},
+    *{"link", "position", "coefficients", "gamma", "delta", "cutoff"},
     *{"structure name", "structure link", "structure direction", "structure stiffness"},
     *{"coupled lower", "coupled upper", *(f"effects {size}" for size in NEEDED.values())},
 }
@@ -125,7 +125,7 @@ def test_the_file_has_every_key_and_is_read(refusal):
     there = {path[-1] for path in KEYS.values()}
     two_forms = {"frequency", "damping_ratio", "rotation", "model", "urdf"}
     known = (robot_file.KEYS, reading.TABLES, DRIVES, GEARS, EFFECTS, robot_file._LINK)
-    for names in (*known, robot_file._LIMITS, robot_file._COUPLED, cell_tables.OWN):
+    for names in (*known, robot_file._LIMITS, robot_file._COUPLED, robot_file.OF_CELL):
         assert set(names) - two_forms <= there
     assert set(reading._HINGE) | set(reading._BODY) | {"time_step", "rigid"} <= there | two_forms
     assert refusal(("name",), "as it is") is None
@@ -156,7 +156,7 @@ def test_signs_are_refused_where_a_quantity_has_none(name, refusal):
 def test_what_is_missing_is_named_or_has_a_default(name, refusal):
     path = KEYS[name]
     if name == "pose.p1":
-        path = ("pose",)  # one pose at least, of any name
+        path = ("pose",)  # one of any name, or none
     said, table = refusal(path), [key for key in path[:-1] if isinstance(key, str)]
     if {path[-1], f"{table[-1] if table else ''} {path[-1]}"} & REQUIRED:
         assert_names(said, path[-1])
