@@ -1,6 +1,6 @@
-"""The bands of chapter 9 over robots, with all noise.
+"""The bands of chapter 9 over noise: one robot, of friction +-2 %, and its tracker set-up.
 
-Each seed is another individual (friction +-2 %), tracker set-up and noise.
+`armside reproduce F07` has a hundred robots.
 """
 
 from collections.abc import Iterator
@@ -80,7 +80,7 @@ def checks(rows: Rows) -> list[Check]:
 
 
 CLAIM = Claim(
-    title="Chapter 9: what the robot does, over robots and noise",
+    title="Chapter 9: five noises of one robot",
     seeds=5,
     run=run,
     checks=checks,

@@ -149,17 +149,17 @@ def motor_side(base: ByPose) -> list[Check]:
 
 def stability(ten: ByPose) -> list[Check]:
     """(a): no significant change after the fifth iteration. Thesis 9.4.2, Fig 9.7."""
+    first = max(result["motor_two"][0].max() for result in ten.values())
     found = []
     for pose, result in ten.items():
         norm = result["motor_two"]
         change = np.abs(norm[AT:] - norm[AT]).max(axis=0)
-        of_last, of_first = change.max() / norm[AT].max(), change.max() / norm[0].max()
-        found.append(
-            (of_last, f"motor {change.argmax() + 1} at {pose} is still learning at k = 5", of_first)
-        )
-    worst, which, of_first = max(found)
+        which = f"motor {change.argmax() + 1} at {pose} is still learning at k = 5"
+        reason = f"{which}; in units of (9.5) its error changes by {change.max() / first:.2f}"
+        found.append((change.max() / norm[AT].max(), reason))
+    worst, reason = max(found)
     (check,) = compare(a5=worst)
-    return [replace(check, reason=f"{which}; in units of (9.5) by {of_first:.2f}")]
+    return [replace(check, reason=reason)]
 
 
 def predicted_rates(
