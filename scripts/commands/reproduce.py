@@ -182,7 +182,10 @@ def _write_pages(folder: ReportFolder, sections: list[Section], config: dict[str
 def _print(report: Report, shown: list[Section]) -> None:
     rows = [[section.id, *check_row(check)] for section in shown for check in section.checks]
     if rows:
-        report.table("Comparisons with the thesis", ["section", *COLUMNS], rows)
+        of = " with the thesis" if all(c.thesis for s in shown for c in s.checks) else ""
+        report.table(f"Comparisons{of}", ["section", *COLUMNS], rows)
+        failed = (c for s in shown for c in s.checks if c.reason and not c.holds)
+        report.lines(f"{check.id} fails: {check.reason}" for check in failed)
         report.line(f"{count(shown)}.")
     for table in [table for section in shown if not section.checks for table in section.tables]:
         report.table(table.title, table.columns, table.rows)

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 _ENDS = {
     "diverged": "learning diverged at iteration {k}",
     "worse": "learning made the tool worse than before",
-    "saturated": "at iteration {k} an axis ran into its hard stop, or every drive was at its torque "
-    "limit: see `armside robot check`",
+    "saturated": "at iteration {k} an axis ran into its hard stop, or every drive was at its "
+    "torque limit: see `armside robot check`",
 }
 
 

@@ -94,32 +94,20 @@ def write_run(
 
 
 def show(report: Report, outcome: dict[str, Any], path: Path) -> None:
-    rows, kerf, iso = outcome["iterations"], outcome["kerf"], outcome["iso"]
-    axes = range(1, 1 + len(rows[0]["motor_inf"]))
-    columns = ["k", *(f"motor {i}" for i in axes), "arm RMS", "arm max"]
-    for title, suffix, mrad, microns in (
-        ("Raw: largest motor error [mrad of the motor shaft], tool deviation [µm]", "", 1e3, 1e6),
-        ("Normalised by the largest at k = 0: thesis (9.5), (9.8), (9.9)", "_normalised", 1, 1),
-    ):
-        motor, tool = f"motor_inf{suffix}", (f"arm_rms{suffix}", f"arm_maxdev{suffix}")
-        cells = [
-            [row["k"], *_times(mrad, row[motor]), *_times(microns, [row[name] for name in tool])]
-            for row in rows
-        ]
-        report.table(title, columns, cells)
-    edges = kerf["hole_roundness_true"], kerf["widest_true"]
-    config = outcome["config"]
-    round_hole = config["shape"] == "circle" and config["contour"] is None
-    edge = "hole roundness" if round_hole else "band of the edge"
-    accuracy = iso["path_accuracy"], iso["path_accuracy_in_plane"]
-    report.table(
-        f"Cut edge with a beam of {1e3 * kerf['beam']:g} mm, and path accuracy as ISO 9283 [µm]",
-        ["k", edge, "widest kerf", "AT_p", "AT_p in the plane"],
+    """Print the result by iteration, in the words and units of README; the rest is on disk."""
+    rows, iso = outcome["iterations"], outcome["iso"]
+    cells = [
         [
-            [row["k"], *_times(1e6, values)]
-            for row, *values in zip(rows, *edges, *accuracy, strict=True)
-        ],
-    )
+            row["k"],
+            *_times(1e3, [None if None in row["motor_inf"] else max(row["motor_inf"])]),
+            *_times(1e6, [row["arm_rms"], row["arm_maxdev"]]),
+            *_times(100.0, [row["arm_rms_normalised"]]),
+        ]
+        for row in rows
+    ]
+    title = "Motor error at the motor shaft; per cent of the tool RMS at k = 0"
+    columns = ["k", "worst motor [mrad]", "tool RMS [µm]", "tool maximum [µm]", "% of k = 0"]
+    report.table(title, columns, cells)
     if iso["repetitions"]:
         tracked, true = iso["path_repeatability"], iso["path_repeatability_true"]
         of_runs = f"Path repeatability RT_p of {iso['repetitions']} runs"

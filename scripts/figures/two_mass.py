@@ -186,10 +186,13 @@ def learning_curves(file: Path, seed: int, of: Study = THESIS) -> Table:
             for name, run in runs.items():
                 axes.semilogy(run.motor / run.motor[0], label=name)
     rows = [
-        (name, *run.motor[list(COUNTED)], run.motor.min(), int(run.motor.argmin()))
+        (
+            *(name, *run.motor[list(COUNTED)], run.motor.min(), int(run.motor.argmin())),
+            float((run.motor / np.minimum.accumulate(run.motor)).max() - 1.0),
+        )
         for name, run in (without | filtered).items()
     ]
-    columns = ("", *(f"k = {k}" for k in COUNTED), "smallest", "at k")
+    columns = ("", *(f"k = {k}" for k in COUNTED), "smallest", "at k", "largest rise")
     return Table("Fig 8.8: 2-norm of the motor error [rad]", columns, rows)
 
 

@@ -93,6 +93,9 @@ ELASTICITY = (
 )
 RIGID = "all motors at once, rigid"
 TILT = "the tilt of the mounting, which this processing leaves in, shows in some seeds"
+AIDED = "a servo that anticipates torques moves idle motors less than that of the thesis"
+SMALL_PEAK = 0.5
+"""Height over the highest line up to which a peak counts as small, ESTIMATE."""
 WELL = "coincide very well"
 CENTRE = "in the centre, with rapid changes"
 
@@ -115,7 +118,7 @@ def noise(result: Result) -> list[Check]:
         Check("E02.3", exceeded.format("y"), "0.2 to 0.4", y, 0.15, 0.45),
         Check("E02.4", exceeded.format("z"), "0.2 to 0.4", z, 0.15, 0.45),
         Check("E02.5", peak, "about 27", frequency, low=25.0, high=30.0),
-        Check("E02.6", relative, "a small peak", height, low=0.2, high=1.0),
+        Check("E02.6", relative, "a small peak", height, low=0.2, high=SMALL_PEAK),
     ]
 
 
@@ -144,8 +147,8 @@ def clocks(result: Result) -> list[Check]:
     deviation = f"standard deviation of the errors of {len(others)} others [ms]"
     return [
         Check("E04.1", own, "by hand, samples of 10 ms", error, high=1.0),
-        Check("E04.2", deviation, "no number", float(others.std()), high=0.3),
-        Check("E04.3", "the largest of them [ms]", "no number", _largest(others), high=1.0),
+        Check("E04.2", deviation, "", float(others.std()), high=0.3),
+        Check("E04.3", "the largest of them [ms]", "", _largest(others), high=1.0),
     ]
 
 
@@ -156,8 +159,8 @@ def one_at_a_time(arm: Result, wrist: Result, aided: Array, unaided: Array) -> l
     return [
         _amplitude("E05.1", arm, slice(0, 3), 0.4),
         _amplitude("E05.2", wrist, slice(3, 6), 0.5),
-        Check("E05.3", peak, "about 5", _largest(aided), low=0.5, high=10.0),
-        Check("E05.4", without, "about 5", _largest(unaided), low=2.0, high=10.0),
+        Check("E05.3", peak, "about 5", _largest(aided), low=2.5, high=10.0, reason=AIDED),
+        Check("E05.4", without, "about 5", _largest(unaided), low=2.5, high=10.0),
     ]
 
 
@@ -245,17 +248,18 @@ def windows(result: Result) -> list[Check]:
         float(result[f"{prefix}largest_in_rectangle"][:2].sum()) for prefix in ("", "as_thesis_")
     )
     ratio, fast = float(default[2] / default[:2].min()), float(result["fast_over_slow"])
+    of_xy = "z over the smaller of x and y"
     over = "RMS in the rectangle over that in the slow circle"
     as_thesis, axis = "processed as in the thesis: ", "below 0.8, by its axis"
     largest = f"{as_thesis}largest RMS of {{}} [m/s²]"
     return [
         Check("E10.1", "largest RMS of the worst axis [m/s²]", axis, _largest(default), high=0.8),
-        Check("E10.2", "largest RMS: z over the smaller of x and y", smaller, ratio, high=1.0),
+        Check("E10.2", f"largest RMS: {of_xy}", smaller, ratio, high=1.0),
         Check("E10.3", counted, CENTRE, inside, low=2),
         Check("E10.4", over, "high where changes are rapid", fast, low=3.0),
         Check("E10.5", largest.format("x"), axis, x, low=0.15, high=0.8),
         Check("E10.6", largest.format("y"), axis, y, low=0.15, high=0.8),
-        Check("E10.7", largest.format("z"), f"below 0.8, {smaller}", z, high=0.35),
-        Check("E10.8", f"{as_thesis}z over y", smaller, float(thesis[2] / thesis[1]), high=1.0),
+        Check("E10.7", largest.format("z"), axis, z, high=0.35),
+        Check("E10.8", f"{as_thesis}{of_xy}", smaller, z / min(x, y), high=1.0),
         Check("E10.9", as_thesis + counted, CENTRE, inside_as_thesis, low=2, reason=TILT),
     ]

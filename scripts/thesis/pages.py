@@ -29,11 +29,14 @@ td.number { text-align: right; font-variant-numeric: tabular-nums; }
 
 
 def count(sections: Sequence[Section]) -> str:
-    """Number of checks that hold, in words."""
+    """Number of checks that hold, in words: those with the thesis, then those of our own."""
     checks = [check for section in sections for check in section.checks]
-    holding = sum(check.holds for check in checks)
-    with_what = " with the thesis" if any(check.thesis for check in checks) else ""
-    return f"{holding} of {len(checks)} comparisons{with_what} hold"
+    thesis, own = ([c for c in checks if bool(c.thesis) is has] for has in (True, False))
+    held = {" with the thesis": thesis, " that it does not have" if thesis else "": own}
+    counted = [
+        f"{sum(c.holds for c in of)} of {len(of)} comparisons{w}" for w, of in held.items() if of
+    ]
+    return f"{' and '.join(counted) or '0 of 0 comparisons'} hold"
 
 
 def check_row(check: Check) -> list[str]:

@@ -15,9 +15,9 @@ from armside.sim.imu import ImuExperiment, reprocessed, run_imu
 
 ENTRIES = [*chapter5.ENTRIES, *(entry for entry in chapter8.ENTRIES if not entry.alone)]
 CHAPTER = {entry.id: entry.make for entry in ENTRIES}
-KNOWN_TO_DIFFER = {"E07.3", "S03.3", "S04.6", "S05.6", "S05.7"}
-"""The elastic deflection of the tool, larger than the prototype's; 11 Hz in Fig 8.6, the shift of 5
-in Figs 8.7 and 8.8."""
+KNOWN_TO_DIFFER = {"E05.3", "E07.3", "S03.3", "S04.6", "S05.6", "S05.7"}
+"""Idle motors that the feedforward holds; the elastic deflection of the tool, larger than the
+prototype's; 11 Hz in Fig 8.6, the shift of 5 in Figs 8.7 and 8.8."""
 
 
 @pytest.fixture(scope="module")
@@ -119,7 +119,8 @@ def test_a_robot_that_stands_still_has_another_noise(read):
         ("8.6", 2, "largest cutoff [Hz]", 0.9, {"S03.5"}),
         ("8.7", 7, two_mass_figures.AT_THESIS_SHIFT, 1.001, {"S04.3"}),
         ("8.7", 12, "gamma |Tu(0)|", 20.0, {"S04.5"}),
-        ("8.8", 4, "k = 500", 1.01, {"S05.4", "S05.5"}),
+        ("8.8", 4, "k = 500", 1.01, {"S05.4"}),
+        ("8.8", 2, "largest rise", 2.0, {"S05.5"}),
         ("8.11", 3, "k = 500", 0.9, {"S06.9"}),
         ("8.12", 4, "overshoot [rad]", 0.5, {"S06.11"}),
     ],

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,9 @@ import pytest
 from armside import assets
 from armside.scripts.cli import main
 from armside.scripts.cutting.cut_run import predicted_line as line
+from armside.scripts.figures.laser_results import show
+from armside.scripts.shell.console import Report, cell
+from armside.scripts.shell.options import Common
 from armside.sim.records.signals import read_signals
 
 from .replay_content import content
@@ -68,6 +72,35 @@ def test_summary_can_be_computed_again_from_the_signals(folder, summary):
         error = (run.recording.reference - run.recording.motor_angle) * gear
         assert np.abs(error).max(axis=0) == pytest.approx(row["motor_inf"], rel=1e-12)
         assert np.sqrt((error**2).sum(axis=0)) == pytest.approx(row["motor_two"], rel=1e-12)
+
+
+@pytest.mark.parametrize("without", [None, "motor_inf"], ids=["whole", "a measure missing"])
+def test_the_one_table_of_a_run_is_that_of_readme_in_80_columns(
+    summary, capsys, monkeypatch, without
+):
+    """k, worst motor, tool RMS, tool maximum, per cent of k = 0; a pipe, not a terminal."""
+    monkeypatch.setenv("COLUMNS", "80")
+    rows = [dict(row) for row in summary["iterations"]]
+    if without:
+        rows[-1][without] = [None] * 6
+    show(Report(Common()), summary | {"iterations": rows}, Path("r"))
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= 80
+    (head,) = [words(line, "┃") for line in lines if "┃" in line]
+    assert head == ["k", "worst motor [mrad]", "tool RMS [µm]", "tool maximum [µm]", "% of k = 0"]
+    printed = [words(line, "│") for line in lines if "│" in line]
+    made = [
+        (row["k"], 1e3 * max(row["motor_inf"]), 1e6 * row["arm_rms"], 1e6 * row["arm_maxdev"])
+        for row in summary["iterations"]
+    ]
+    of_first = [100.0 * row[2] / made[0][2] for row in made]
+    expected = [[*map(cell, row), cell(float(c))] for row, c in zip(made, of_first, strict=True)]
+    expected[-1][1] = cell(None) if without else expected[-1][1]
+    assert printed == expected
+
+
+def words(line: str, bar: str) -> list[str]:
+    return [cell.strip() for cell in line.strip(bar).split(bar)]
 
 
 def test_two_processes_write_the_same_bits(folder, tmp_path):

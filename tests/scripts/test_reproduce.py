@@ -114,6 +114,7 @@ def test_a_report_is_two_pages_of_which_one_needs_nothing_else(reproduced):
 def test_what_fails_is_shown_as_failing_with_its_reason(reproduced):
     _, out, _ = reproduced("three")  # 2 + 2 + 2 is not <= 1
     assert "FAILS" in out
+    assert "p1 fails: twos" in out
     for page in ("report.md", "report.html"):
         text = Path("report", page).read_text()
         assert "FAILS" in text

@@ -47,6 +47,15 @@ def test_a_report_counts_what_holds_and_shows_what_fails_with_its_reason(pages):
     assert '<td class="fails">FAILS' in page
 
 
+def test_numbers_that_the_thesis_does_not_have_are_no_comparisons_with_it():
+    ours, its = Check("a", "ours", "", 1.0, low=0.0), Check("b", "its", "1", 2.0, high=1.0)
+    both = [Section("x", "X", "", checks=[ours, its])]
+    assert count(both) == (
+        "0 of 1 comparisons with the thesis and 1 of 1 comparisons that it does not have hold"
+    )
+    assert count([Section("x", "X", "", checks=[ours])]) == "1 of 1 comparisons hold"
+
+
 # Fingerprints
 
 

@@ -46,6 +46,8 @@ THESIS_MODEL = System(
     np.append(np.zeros(THESIS_DELAY), 0.5083), np.array([1.0, -0.4884]), SAMPLE_TIME
 )
 """(9.12)."""
+THESIS_REPEATABILITY = 0.2
+"""Of (9.10), about: what an identical experiment changes is no significant change."""
 
 
 class Band(NamedTuple):
@@ -68,29 +70,31 @@ BANDS: Mapping[str, Band] = {
                high=0.10),
     "a2": Band("smallest motor error at k = 5, (9.5), inf-norm, of 18", "0.0102 (motor 5, p2)",
                high=0.02),
-    "a3": Band("how many of 18 motor errors fall to a tenth of their own k = 0", "all decrease",
-               low=14),
+    "a3": Band("how many of 18 motor errors are smaller at k = 5 than at k = 0", "all decrease",
+               low=18),
     "a4": Band("largest motor error at k = 5 over its own k = 0", "all decrease", high=0.30),
-    "a5": Band("largest change from k = 5 to k = 10, (9.5), 2-norm, all motors and poses",
-               "no significant change", high=0.05),
+    "a5": Band("largest change of a motor error from k = 5 to k = 10 over the largest at k = 5, "
+               "2-norm, worst pose", "no significant change", high=THESIS_REPEATABILITY),
     "a6": Band("2-norm after one update over its prediction by T_u, or the inverse: worst of the "
                "motors it describes", "criterion indicates", high=2.0),
     "b1": Band("p1: RMS at k = 5 over k = 0", "decreasing, good behaviour", 0.20, 0.50),
     "b2": Band("p1: maximum deviation at k = 5 over k = 0", "decreasing", high=0.60),
-    "b3": Band("p2: RMS at k = 5 over k = 1", "increasing trend", low=0.95),
+    "b3": Band("p2: RMS at k = 5 over k = 1", "increasing trend", low=1.0),
     "b4": Band("p2: largest RMS after the first update over that at k = 1", "increasing trend",
                low=1.03),
-    "b5": Band("p3: RMS at k = 5 over k = 0", "as large as or larger than without ILC", 0.95, 1.6),
+    "b5": Band("p3: RMS at k = 5 over k = 0", "as large as or larger than without ILC", 1.0, 1.6),
     "b6": Band("RMS ratio k = 5 to k = 0: p2 less p1", "p1 best", low=0.0),
     "b7": Band("RMS ratio k = 5 to k = 0: p3 less p2", "p3 worst", low=0.0),
     "c1": Band("p1, 15 Hz over 10 Hz: RMS at k = 5", "larger", low=1.05),
     "c2": Band("p1, 15 Hz over 10 Hz: maximum deviation at k = 5", "larger", low=1.10),
     "c3": Band("p1, 15 Hz over 10 Hz: radius between 5 and 14 Hz, rms at k = 5", "oscillatory",
                low=1.2),
-    "c4": Band("p1, 15 Hz over 10 Hz: 2-norm at k = 5, median motor", "better", high=1.0),
-    "c5": Band("p1, 15 Hz over 10 Hz: motors whose 2-norm falls below 0.7",
+    "c4": Band("p1, 15 Hz over 10 Hz: motors of six whose inf-norm at k = 5 is larger",
+               "better with a higher cutoff", high=0),
+    "c5": Band("p1, 15 Hz over 10 Hz: motors whose inf-norm at k = 5 falls below 0.7",
                "some significantly better", low=2),
     "c6": Band("motor 4 at k = 5: 22.5 Hz over 5 Hz", "better with a higher cutoff", high=1.0),
+    "c7": Band("p1, 15 Hz over 10 Hz: 2-norm at k = 5, median motor", "", high=1.0),
     "d1": Band("p1, delta 6 over delta 3: RMS at k = 5", "lower", high=0.97),
     "d2": Band("p2, delta 6 over delta 3: RMS at k = 5", "lower", high=0.95),
     "d3": Band("p1, motor errors at k = 5 for shifts of 1 to 8: largest over smallest, worst motor",
@@ -140,14 +144,22 @@ def motor_side(base: ByPose) -> list[Check]:
     """(a): every motor learns, at every pose. Thesis 9.4.3, Fig 9.9."""
     first, last = (np.array([base[pose]["motor_inf"][k] for pose in POSES]) for k in (0, AT))
     own, normalised = last / first, measures.normalise(last, first)
-    return compare(a1=normalised.max(), a2=normalised.min(), a3=(own <= 0.10).sum(), a4=own.max())
+    return compare(a1=normalised.max(), a2=normalised.min(), a3=(own < 1.0).sum(), a4=own.max())
 
 
 def stability(ten: ByPose) -> list[Check]:
-    """(a): steady state after the fifth iteration. Thesis 9.4.2, Fig 9.7."""
-    norms = [result["motor_two"] for result in ten.values()]
-    change = max(np.abs(norm[AT:] - norm[AT]).max() for norm in norms)
-    return compare(a5=change / max(norm[0].max() for norm in norms))
+    """(a): no significant change after the fifth iteration. Thesis 9.4.2, Fig 9.7."""
+    first = max(result["motor_two"][0].max() for result in ten.values())
+    found = []
+    for pose, result in ten.items():
+        norm = result["motor_two"]
+        change = np.abs(norm[AT:] - norm[AT]).max(axis=0)
+        which = f"motor {change.argmax() + 1} at {pose} is still learning at k = 5"
+        reason = f"{which}; in units of (9.5) its error changes by {change.max() / first:.2f}"
+        found.append((change.max() / norm[AT].max(), reason))
+    worst, reason = max(found)
+    (check,) = compare(a5=worst)
+    return [replace(check, reason=reason)]
 
 
 def predicted_rates(
@@ -179,9 +191,19 @@ def cutoff_arm(slow: Result, fast: Result) -> list[Check]:
 
 
 def cutoff_motor(slow: Result, fast: Result) -> list[Check]:
-    """(c): a higher cutoff makes most motors better. Thesis Fig 9.14."""
-    ratio = over(fast, slow, "motor_two")
-    return compare(c4=np.median(ratio), c5=(ratio < 0.7).sum())
+    """(c): a higher cutoff makes some motors much better. Thesis Fig 9.14; the 2-norm is ours."""
+    ratio = over(fast, slow, "motor_inf")
+    return compare(c5=(ratio < 0.7).sum(), c7=np.median(over(fast, slow, "motor_two")))
+
+
+def cutoff_worse(slow: Result, fast: Result) -> list[Check]:
+    """(c): a higher cutoff makes no motor worse. Thesis Fig 9.14."""
+    worse = over(fast, slow, "motor_inf") > 1.0
+    better = int((over(fast, slow, "motor_two") < 1.0).sum())
+    which = ", ".join(str(i + 1) for i in np.flatnonzero(worse))
+    reason = f"motors {which} are worse; in the 2-norm, that of the criterion, {better} are better"
+    (check,) = compare(c4=worse.sum())
+    return [replace(check, reason=reason)]
 
 
 def shift_arm(delta_3: ByPose, delta_6: ByPose) -> list[Check]:

@@ -108,8 +108,8 @@ def friction_feedforward(seed: int) -> Part:
             "the friction at reversals.",
             ["F09.png"],
             [
-                Check("F09a", what.format("without learning"), "proposed", first, high=0.9),
-                Check("F09b", what.format("at k = 5"), "proposed", last, high=1.0),
+                Check("F09a", what.format("without learning"), "", first, high=0.9),
+                Check("F09b", what.format("at k = 5"), "", last, high=1.0),
             ],
             [Table("With over without feedforward", ["", "k", *figures.MOTORS, "arm RMS"], rows)],
         )

@@ -68,14 +68,13 @@ def by_motor(
     x: ArrayLike | None = None,
     *,
     log: bool = True,
-    norm: str = "∞-norm",
     **options: Any,
 ) -> None:
     """A panel for each motor; curves: label: (K, 6) over x. options: as those of `panels`."""
     content = {
         f"Motor {i + 1}": {name: values[:, i] for name, values in curves.items()} for i in range(6)
     }
-    panels(file, title, content, x, ylabel=f"error (9.5), {norm}", log=log, **options)
+    panels(file, title, content, x, ylabel="error (9.5), ∞-norm", log=log, **options)
 
 
 def by_position(file: Path, positions: Sequence[str], errors: Array) -> None:

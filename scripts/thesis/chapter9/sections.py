@@ -124,9 +124,9 @@ def ten_iterations(results: Results, file: Path) -> Drawn:
     title = "Motor errors over ten iterations"
     figures.panels(file, title, content, ylabel="error (9.5), 2-norm", log=True)
     return Drawn(
-        "2-norm of the motor errors when learning goes on for ten iterations. The motors reach "
-        "their steady state in five; then the curves vary within their repeatability. The thesis "
-        "shows p1 and states the same for the others.",
+        "2-norm of the motor errors when learning goes on for ten iterations. Nearly all "
+        "of the fall takes five. The thesis sees no significant change after them; here some "
+        "fall on. It shows p1 and states the same for the others.",
         bands.stability(results),
     )
 
@@ -166,11 +166,16 @@ def positions_arm(results: Results, file: Path) -> Drawn:
     shown = product(POSES, (("RMS", "arm_rms"), ("maximum", "arm_maxdev")))
     rows = [[pose, name, *(1e6 * results[pose][key]).tolist()] for pose, (name, key) in shown]
     columns = ["", "", *(f"k = {k}" for k in range(AT + 1))]
+    rms = results["p2"]["arm_rms"]
+    rise = [f"{k}" for k in range(2, AT + 1) if rms[k] > rms[k - 1]]
     return Drawn(
         "The same experiments as Fig. 9.9, judged by the tool. In the thesis it improves where the "
-        "arm is near, and not where it reaches out. The cause in our robot: learning "
-        "holds the motors still, so the servo no longer damps the structure behind them, whose "
-        "resonances lie inside the learned band.",
+        "arm is near, and not where it reaches out; at p2 the error has an increasing trend. Here "
+        f"the RMS at p2 falls in the first update, rises at k = {', '.join(rise) or 'none'} and "
+        "falls in all others. At p3 the verdict is that of k = 5: with 40 updates the RMS of seed "
+        "0 is below that of k = 0 from k = 10 on (armside laser --pose p3 --iterations 40). The "
+        "cause in our robot: learning holds the motors still, so the servo no longer damps the "
+        "structure behind them, whose resonances lie inside the learned band.",
         bands.arm_side(results),
         [Table("Deviation of the tool [µm]", columns, rows)],
     )
@@ -212,15 +217,12 @@ def shifts_arm(results: Results, file: Path) -> Drawn:
 def cutoffs_motor(results: Results, file: Path) -> Drawn:
     slow_fast = _at_p1(results)
     title = "Motor errors for two cutoff frequencies, p1"
-    figures.by_motor(file, title, _normalised(slow_fast, "motor_two"), norm="2-norm")
-    slow, fast = slow_fast.values()
-    ratio = bands.over(fast, slow, "motor_two")
+    figures.by_motor(file, title, _normalised(slow_fast, "motor_inf"))
     return Drawn(
-        "With a cutoff of 15 Hz instead of 10 Hz more of the error is learned from. Figure and "
-        "comparison are in the 2-norm, that of the criterion. At k = 5 the errors with 15 Hz are "
-        f"{ratio.min():.2f} (motor {ratio.argmin() + 1}) to {ratio.max():.2f} times (motor "
-        f"{ratio.argmax() + 1}) those with 10 Hz.",
-        bands.cutoff_motor(slow, fast),
+        "With a cutoff of 15 Hz instead of 10 Hz more of the error is learned from. In the "
+        "infinity norm, that of the thesis's figure, some motors end far lower and the others "
+        "higher, where the thesis has none higher.",
+        [*bands.cutoff_worse(*slow_fast.values()), *bands.cutoff_motor(*slow_fast.values())],
     )
 
 
