@@ -53,6 +53,62 @@ def finite_array(name: str, value: ArrayLike, *shape: int) -> Array:
     return array
 
 
+SLOWEST, FASTEST = 0.5, 1e-5
+"""[s] Median step of a robot's recording, at most and at least. ESTIMATE: instruments and
+controllers sample at 5 Hz to 10 kHz, so that times in milliseconds or minutes lie outside."""
+LONGEST_GAP = 1.0
+"""[s] Without samples, which a spline may bridge. ESTIMATE: robots of this size move at 0.1 to
+1 Hz; the recordings of an AUBO i5 have gaps up to 0.12 s."""
+
+
+def check_rising(source: Any, time: Array, rows: Any = None, *, repeats: bool = False) -> None:
+    """Refuse times (N,) that are not finite, or do not increase.
+
+    Args:
+        source: name of the recording, for the message.
+        rows: (N,) numbers of their rows from 0, of a part of a table.
+        repeats: stamps may repeat, as rounded ones do.
+
+    Raises:
+        ValueError: names row and value.
+    """
+    bad = ~np.isfinite(time)
+    step = np.diff(np.where(bad, 0.0, time))
+    back = np.r_[False, step < 0.0 if repeats else step <= 0.0]
+    if not (bad | back).any():
+        return
+    at = int(np.argmax(bad)) if bad.any() else int(np.argmax(back))
+    row = 1 + (at if rows is None else int(rows[at]))
+    if bad.any():
+        raise ValueError(f"{source}: column time, row {row}: must be a time [s], got {time[at]}")
+    text = f"time must increase, got {time[at]:.9g} s after {time[at - 1]:.9g} s"
+    fault = "runs backwards" if step[at - 1] < 0.0 else "stands still"
+    raise ValueError(f"{source}: column time, row {row}: {text}: the clock {fault}")
+
+
+def check_recorded_time(
+    source: Any, time: Array, rows: Any = None, *, gap: float = LONGEST_GAP, repeats: bool = False
+) -> None:
+    """Like `check_rising`, for instants of a robot or of an instrument beside it [s].
+
+    Raises ValueError for a rate that nothing samples at, and for a gap longer than `gap` [s].
+    """
+    check_rising(source, time, rows, repeats=repeats)
+    if len(time) < 2:
+        return
+    steps = np.diff(time)
+    if not FASTEST <= (median := float(np.median(steps))) <= SLOWEST and median > 0.0:
+        unit = "milliseconds" if median > SLOWEST else "minutes or hours"
+        bound = f"{FASTEST:g} to {SLOWEST:g} s can be right"
+        text = f"one sample each {median:.4g} s; {bound}: are they in {unit}?"
+        raise ValueError(f"{source}: column time, row 2: {text}")
+    if (longest := float(steps.max())) > gap:
+        at = int(steps.argmax())
+        row = 1 + (at if rows is None else int(rows[at]))
+        text = f"no samples for {longest:.3g} s after {time[at]:.4g} s; at most {gap:g} s"
+        raise ValueError(f"{source}: column time, row {row}: {text}; cut the recording there")
+
+
 def check_out(out: Any, shape: tuple[int, ...]) -> None:
     """Refuse an `out=` that is no float64 array of a shape."""
     if not isinstance(out, np.ndarray):
