@@ -95,10 +95,11 @@ def learn(
         n_inputs: columns of a correction; as many as the reference has if None.
 
     The loop ends early, its last trial marked `diverged`, when an error is not finite or diverged.
+    The plant is given a copy of each correction.
 
     Raises:
-        ValueError: at once, for a reference or law that does not fit; at the first run, for an
-            output of another shape than the reference.
+        ValueError: at once, for a reference, law or state that does not fit; at the first run, for
+            an output of another shape than the reference, or not finite.
     """
     reference = as_record(reference, "reference")
     if iterations < 0:
@@ -126,8 +127,10 @@ def learn(
         last = iterations if resume is None else resume.k + iterations
         for k in range(first, last + 1):
             made = first_result if k == 0 else None
-            result = plant.run(correction) if made is None else made
-            output = _checked(output_of(result), reference)
+            result = plant.run(correction.copy()) if made is None else made
+            # A plant may diverge by learning, to values that are not finite, but not before it.
+            gate = as_samples if k > 0 else as_record
+            output = _checked(gate(output_of(result), f"the output of run {k}"), reference)
             error = reference - output
             size = size_of(error)
             first_size = size if first_size is None else first_size
@@ -142,8 +145,7 @@ def learn(
     return trials()
 
 
-def _checked(output: Any, reference: Array) -> Array:
-    output = as_samples(output, "the output")
+def _checked(output: Array, reference: Array) -> Array:
     if output.shape != reference.shape:
         needed = f"the shape {reference.shape} of the reference"
         raise ValueError(f"the output must have {needed}, got {output.shape}")

@@ -200,6 +200,14 @@ class CoupledRange:
     lower: float
     upper: float
 
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.coefficients).all() and np.any(self.coefficients)):
+            text = f"finite coefficients that are not all 0, got {self.coefficients}"
+            raise ValueError(f"a coupled range needs {text}")
+        if not self.lower < self.upper:
+            given = f"got {self.lower:g} and {self.upper:g}"
+            raise ValueError(f"a coupled range needs lower below upper, {given}")
+
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
@@ -221,8 +229,8 @@ class Limits:
             if not speed > 0.0:
                 raise ValueError(f"speed must be > 0, got {speed:g} on axis {axis}")
         for bound in self.coupled:
-            if len(bound.coefficients) != len(self.lower) or not bound.lower < bound.upper:
-                needed = f"{len(self.lower)} coefficients and lower below upper"
+            if len(bound.coefficients) != len(self.lower):
+                needed = f"{len(self.lower)} coefficients"
                 raise ValueError(f"a coupled range needs {needed}, got {bound}")
 
     def contain(self, phi: ArrayLike) -> NDArray[np.bool_]:

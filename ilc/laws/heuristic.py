@@ -47,4 +47,8 @@ class Heuristic(FirstOrderLaw):
 
     @records("correction", "error")
     def __call__(self, correction: Array, error: Array, /) -> Array:
-        return self.Q(correction + np.asarray(self.gamma) * shift(error, self.delta, self.end))
+        check_columns("gamma", self.gamma, error.shape[1])
+        learned = self.Q(correction + np.asarray(self.gamma) * shift(error, self.delta, self.end))
+        if np.shape(learned) != correction.shape:
+            raise ValueError(f"Q must return the shape {correction.shape}, got {np.shape(learned)}")
+        return learned

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from armside.arrays import Array
+from armside.arrays import Array, npz
 
 from ..laws.knob_free import Known
 from ..laws.wrappers import Best, SegmentMemory
@@ -86,7 +86,7 @@ def save_states(file: Path, states: Mapping[str, RunState]) -> list[str]:
 def read_states(file: Path) -> dict[str, RunState | None]:
     """States by key; None where a memory could not be stored. ValueError for a damaged file."""
     try:
-        with np.load(file, allow_pickle=False) as stored:
+        with npz(file) as stored:
             trees = json.loads(str(stored["tree"]))
             contents = {key: _unpacked(tree, stored) for key, tree in trees.items()}
             return {key: _state(content) for key, content in contents.items()}

@@ -103,7 +103,7 @@ def _from_mat(file: Path, sample_time: float | None) -> InputOutput:
     if missing := [name for name in "uy" if name not in found]:
         raise ValueError(f"{file} lacks {' and '.join(missing)}: it needs u and y, time down")
     time = np.ravel(found["sample_time"]) if "sample_time" in found else np.zeros(0)
-    stated = float(time[0]) if time.size == 1 and time.dtype.kind in "biuf" else None
+    stated = float(time[0]) if time.size == 1 and time.dtype.kind in "iuf" else None
     columns = (np.asarray(found[name]) for name in "uy")
     u, y = (M.T if M.ndim == 2 and len(M) == 1 else M for M in columns)
     return InputOutput(u=u, y=y, sample_time=_sample_time(file, stated, sample_time))

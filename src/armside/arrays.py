@@ -1,5 +1,8 @@
 """The array type of all packages, and checks of arguments and of records of samples."""
 
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -36,7 +39,9 @@ def real_array(name: str, value: ArrayLike, *shape: int) -> Array:
         ValueError: complex numbers, masked entries, text, or another shape.
     """
     given = value if isinstance(value, np.ndarray) else np.asarray(value)
-    if given.dtype.kind not in "fiub" or isinstance(given, np.ma.MaskedArray):
+    if isinstance(value, list | tuple) and any(isinstance(one, bool) for one in value):
+        raise ValueError(f"{name} must be real numbers, got a truth value")
+    if given.dtype.kind not in "fiu" or isinstance(given, np.ma.MaskedArray):
         kind = "a masked array" if isinstance(given, np.ma.MaskedArray) else str(given.dtype)
         raise ValueError(f"{name} must be real numbers, got {kind}")
     if shape and given.shape[-len(shape) :] != shape:
@@ -107,6 +112,31 @@ def check_recorded_time(
         row = 1 + (at if rows is None else int(rows[at]))
         text = f"no samples for {longest:.3g} s after {time[at]:.4g} s; at most {gap:g} s"
         raise ValueError(f"{source}: column time, row {row}: {text}; cut the recording there")
+
+
+LARGEST_UNPACKED = 1_000_000_000
+"""[bytes], of all arrays of an .npz file: they are held in memory."""
+
+
+@contextmanager
+def npz(file: Any) -> Iterator[Any]:
+    """Arrays of an .npz file, without pickled objects. file: path or open file.
+
+    Raises ValueError for another kind of file, and for arrays that unpack to more than
+    `LARGEST_UNPACKED`, before they do.
+    """
+    try:
+        with zipfile.ZipFile(file) as packed:
+            size = sum(member.file_size for member in packed.infolist())
+    except zipfile.BadZipFile as error:
+        raise ValueError(f"{file} is no .npz file: {error}") from error
+    if size > LARGEST_UNPACKED:
+        bound = f"{size / 1e6:.4g} MB; at most {LARGEST_UNPACKED / 1e6:.4g} MB are read"
+        raise ValueError(f"{file} unpacks to {bound}")
+    if hasattr(file, "seek"):
+        file.seek(0)
+    with np.load(file, allow_pickle=False) as arrays:
+        yield arrays
 
 
 def check_out(out: Any, shape: tuple[int, ...]) -> None:
