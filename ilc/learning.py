@@ -31,6 +31,14 @@ class LoopState:
     first_size: Array
     """(n,) sizes of the first error, by which divergence is judged."""
 
+    def check(self, correction: tuple[int, ...], error: tuple[int, ...]) -> None:
+        """Raise ValueError unless both are finite and of these shapes."""
+        for name, needed in (("correction", correction), ("error", error)):
+            given = as_record(getattr(self, name), f"the {name} to resume from")
+            if given.shape != needed:
+                shapes = f"the shape {needed}, got {given.shape}"
+                raise ValueError(f"the {name} to resume from must have {shapes}")
+
 
 @dataclass(frozen=True)
 class Trial(Generic[Result]):
@@ -117,6 +125,9 @@ def learn(
         of = " of the reference" if shape == reference.shape else ": one column for each input"
         needed = f"the shape {shape}{of}"
         raise ValueError(f"{name} must have {needed}, got {start.shape}")
+
+    if resume is not None:
+        resume.check(shape, reference.shape)
 
     def trials() -> Iterator[Trial[Result]]:
         correction, memory, first_size, first = start, None, None, 0

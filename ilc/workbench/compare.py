@@ -20,7 +20,7 @@ from armside.arrays import Array, npz
 from ..laws.knob_free import Known
 from ..laws.wrappers import Best, SegmentMemory
 from ..learning import LoopState, Trial, learn
-from ..records import as_real
+from ..records import as_real, as_record, as_samples
 from .laws import build_law
 from .predicted import Prediction, predict
 from .task import Setting, Task
@@ -91,21 +91,33 @@ def read_states(file: Path) -> dict[str, RunState | None]:
             contents = {key: _unpacked(tree, stored) for key, tree in trees.items()}
             return {key: _state(content) for key, content in contents.items()}
     except Exception as error:  # numpy, zipfile and json raise many kinds
-        raise ValueError(f"{file} holds no state of a learning run: {error}") from error
+        reason = str(error).removeprefix(f"{file} ")
+        raise ValueError(f"{file} holds no state of a learning run: {reason}") from error
 
 
 def _state(content: dict[str, Any]) -> RunState | None:
     if content.get("unstored"):
         return None
+    k, start = content["k"], content.get("start")
+    if not (isinstance(k, int) and k >= 0):
+        raise ValueError(f"k must be a whole number >= 0, got {k!r}")
     loop = LoopState(
-        k=content["k"],
-        correction=content["correction"],
-        error=content["error"],
+        k=k,
+        correction=as_record(content["correction"], "correction"),
+        error=as_samples(content["error"], "error"),
         memory=content["memory"],
-        first_size=content["first_size"],
+        first_size=as_real(content["first_size"], "first_size"),
     )
-    generators = tuple(content["generators"])
-    return RunState(loop=loop, generators=generators, start=content.get("start"))
+    n = loop.error.shape[1]
+    needed = {"error": (len(loop.correction), n), "first_size": (n,)}
+    given = {"error": loop.error.shape, "first_size": loop.first_size.shape}
+    if start is not None:
+        start = as_record(start, "start")
+        needed["start"], given["start"] = loop.correction.shape, start.shape
+    if wrong := [name for name in needed if needed[name] != given[name]]:
+        text = f"the shape {needed[wrong[0]]}, got {given[wrong[0]]}"
+        raise ValueError(f"{wrong[0]} must have {text}")
+    return RunState(loop=loop, generators=tuple(content["generators"]), start=start)
 
 
 def _packed(value: Any, arrays: dict[str, Any]) -> Any:

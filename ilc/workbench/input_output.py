@@ -71,8 +71,16 @@ def read_input_output(
 ) -> InputOutput:
     """From a CSV file with columns time (perhaps), inputs, outputs, or MAT variables u and y.
 
-    sample_time: [s], where the file has neither time nor sample_time. Raises ValueError.
+    sample_time: [s], where the file has neither time nor sample_time. Raises ValueError, with the
+    file's name.
     """
+    try:
+        return _read(file, n_inputs, sample_time)
+    except ValueError as error:
+        raise ValueError(f"{file}: {str(error).removeprefix(f'{file}: ')}") from error
+
+
+def _read(file: Path, n_inputs: int, sample_time: float | None) -> InputOutput:
     if file.suffix.lower() == ".mat":
         return _from_mat(file, sample_time)
     signal = read_signal(file)

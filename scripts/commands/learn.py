@@ -71,6 +71,9 @@ def _check_laws(cfg: LearnCfg, task: "Task", before: Starts | None) -> None:
         if start is not None and start.shape != task.reference.shape:
             shapes = f"{start.shape}, this task needs {task.reference.shape}"
             raise ValueError(f"the correction of {cfg.start} has the shape {shapes}")
+        for case in product(cfg.noise, range(cfg.repeats) if before else ()):
+            if before and (state := before.state(law, *case)) is not None:
+                state.loop.check(task.reference.shape, task.reference.shape)
 
 
 def _runs(

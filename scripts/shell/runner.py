@@ -25,6 +25,7 @@ def run(tokens: list[str], commands: "Commands", load: "Load") -> int:
         if not tokens or tokens[0] in (*BRIEF, WHOLE):
             print(overview(commands), flush=True)
             return DONE
+        _check_environment()
         from .parser import parse  # which takes half of the time of the overview
 
         command, bound = parse(tokens, commands, load)
@@ -45,6 +46,17 @@ def run(tokens: list[str], commands: "Commands", load: "Load") -> int:
             traceback.print_exc()
         status = BAD_INPUT if isinstance(error, InputError) else FAILED
         return _complain(_message(error), status)
+
+
+def _check_environment() -> None:
+    """Refuse a backend that matplotlib does not know: importing it would fail, perhaps after the
+    work is done."""
+    if backend := os.environ.get("MPLBACKEND"):
+        try:
+            import matplotlib as mpl  # noqa: F401
+        except ValueError as error:
+            text = f"the environment variable MPLBACKEND names {backend!r}, which is no backend"
+            raise InputError(f"{text} of matplotlib: unset it") from error
 
 
 def _kept() -> str:

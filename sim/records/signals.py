@@ -136,6 +136,8 @@ def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
         raise ValueError(f"{source} holds signals of format {found}; this armside reads {FORMAT}")
     if missing := missing_columns(table):
         raise ValueError(f"{source} lacks the column {missing[0]}")
+    if not table.num_rows:
+        raise ValueError(f"{source} has no rows")
     limits_hit = json.loads(metadata["armside.limits_hit"])
     path, gear = (json.loads(metadata.get(f"armside.{key}", "null")) for key in ("path", "gear"))
     ks = table["k"].unique().to_pylist()
