@@ -55,7 +55,7 @@ def overtaken() -> None:
     def publish(left: Path) -> None:
         found = STAGED.fullmatch(left.name)
         if left.is_dir() and found:
-            left.with_name(found["name"]).mkdir()
+            left.with_name(found["name"]).mkdir(exist_ok=True)
             (left.with_name(found["name"]) / "theirs").touch()
 
     _before_naming(publish)
