@@ -6,13 +6,13 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from armside.arrays import Array
+from armside.arrays import Array, shown
 
 from .divergence import DIVERGENCE_RATIO, has_diverged
 from .laws.first_order import Law
 from .measures.norms import two_norm
 from .plant import Plant
-from .records import as_record, as_samples
+from .records import as_number, as_record, as_samples, as_whole
 
 Result = TypeVar("Result")
 
@@ -110,10 +110,10 @@ def learn(
             an output of another shape than the reference, or not finite.
     """
     reference = as_record(reference, "reference")
-    if iterations < 0:
+    if as_whole(as_number(iterations, "iterations"), "iterations") < 0:
         raise ValueError(f"iterations must be >= 0, got {iterations}")
-    if not divergence_ratio > 0.0:
-        raise ValueError(f"divergence_ratio must be > 0, got {divergence_ratio}")
+    if np.ndim(divergence_ratio) or not divergence_ratio > 0.0:
+        raise ValueError(f"divergence_ratio must be > 0, got {shown(divergence_ratio)}")
     shape = len(reference), reference.shape[1] if n_inputs is None else n_inputs
     law.check(*shape)
     if resume is not None and (first_correction is not None or first_result is not None):

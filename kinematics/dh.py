@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from armside.arrays import Array, real_array
+from armside.arrays import Array, check_numbers, real_array, shown
 
 if TYPE_CHECKING:
     import sympy
@@ -59,7 +59,8 @@ def checked(name: str, value: Any) -> "Scalar":
         if value.is_number and not (value.is_real and _is_finite(value)):
             raise ValueError(f"{name} must be a finite real number, got {str(value)[:40]}")
         return value  # pyright: ignore[reportReturnType] - SymPy is not imported to ask
-    raise TypeError(f"{name} must be a number, a SymPy expression or text, got {value!r}")
+    given = shown(value) if np.ndim(value) else repr(value)
+    raise TypeError(f"{name} must be a number, a SymPy expression or text, got {given}")
 
 
 def _is_finite(value: Any) -> bool:
@@ -201,6 +202,8 @@ class CoupledRange:
     upper: float
 
     def __post_init__(self) -> None:
+        check_numbers(self, "coefficients", several=True)
+        check_numbers(self, "lower", "upper")
         if not (np.isfinite(self.coefficients).all() and np.any(self.coefficients)):
             text = f"finite coefficients that are not all 0, got {self.coefficients}"
             raise ValueError(f"a coupled range needs {text}")
@@ -219,6 +222,7 @@ class Limits:
     coupled: tuple[CoupledRange, ...] = ()
 
     def __post_init__(self) -> None:
+        check_numbers(self, "lower", "upper", "speed", several=True)
         if not len(self.lower) == len(self.upper) == len(self.speed):
             raise ValueError("lower, upper and speed must have one entry for each motor")
         for axis, (low, high) in enumerate(zip(self.lower, self.upper, strict=True), 1):

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from armside.arrays import Array
+from armside.arrays import Array, shown
 
 from ..filters import PerColumn, RecordFilter
 from ..laws.first_order import MatrixGain, PType
@@ -99,7 +99,7 @@ def criterion(
     """
     omega = as_real(omega, "omega")
     if omega.ndim != 1 or not omega.size or not np.isfinite(omega).all():
-        raise ValueError(f"omega must be finite, of shape (M,) with M >= 1, got {omega}")
+        raise ValueError(f"omega must be finite, of shape (M,) with M >= 1, got {shown(omega)}")
     T_u, L, Q = (_response(n, r, omega) for n, r in (("T_u", T_u), ("L", L), ("Q", Q)))
     if T_u.ndim == 1:
         require_one_cutoff(Q)
@@ -117,7 +117,7 @@ def _response(name: str, response: ArrayLike, omega: Array) -> Any:
     """Response at omega (M,), or one for all of them, of one system or a matrix (M, n, n)."""
     values = np.asarray(response)
     if values.dtype.kind not in "iufc" or not np.isfinite(values).all():
-        raise ValueError(f"{name} must be finite numbers, got {response}")
+        raise ValueError(f"{name} must be finite numbers, got {shown(response)}")
     if values.ndim and len(values) != len(omega):
         raise ValueError(f"{name} must have {len(omega)} rows as omega, got shape {values.shape}")
     if name == "T_u" and not (values.ndim == 1 or (values.ndim == 3 and values.size)):

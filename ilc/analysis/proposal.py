@@ -113,7 +113,7 @@ def propose(
         raise ValueError(f"deltas must hold at least one shift, got {deltas}")
     if (gain := T_u.static_gain) <= 0.0:
         raise ValueError(f"the static gain of T_u must be > 0, as gamma must, got {gain:.3g}")
-    if not 0.0 < fraction < 1.0:
+    if not 0.0 < as_number(fraction, "fraction") < 1.0:
         raise ValueError(f"fraction must be in (0, 1), got {fraction}")
     found = list(_contracting(T_u, bandwidth, deltas, fraction, order))
     if not found:

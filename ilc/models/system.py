@@ -11,7 +11,7 @@ from typing import Protocol, TypeVar, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, shown
 
 from ..filters import recursion
 from ..records import as_number, as_real, records
@@ -260,7 +260,7 @@ def polynomial(coefficients: ArrayLike, name: str) -> Array:
     denominator `den` that is 0."""
     p = np.atleast_1d(as_real(coefficients, name))
     if p.ndim != 1 or not p.size or not np.isfinite(p).all():
-        raise ValueError(f"{name} must be finite coefficients of shape (m,), got {p}")
+        raise ValueError(f"{name} must be finite coefficients of shape (m,), got {shown(p)}")
     if name == "den" and not p.any():
         raise ValueError(f"{name} must have a coefficient that is not 0, got {p}")
     return p
@@ -268,12 +268,12 @@ def polynomial(coefficients: ArrayLike, name: str) -> Array:
 
 def controller_form(num: ArrayLike, den: ArrayLike) -> tuple[Array, Array, Array, Array]:
     """(A, B, C, D) of num / den, descending powers. ValueError for one that is not causal."""
-    num, den = (np.trim_zeros(polynomial(p, n), "f") for p, n in ((num, "num"), (den, "den")))
-    if len(num) > len(den):
-        degrees = f"numerator degree {len(num) - 1} exceeds denominator degree {len(den) - 1}"
+    b, a = np.trim_zeros(polynomial(num, "num"), "f"), np.trim_zeros(polynomial(den, "den"), "f")
+    if len(b) > len(a):
+        degrees = f"numerator degree {len(b) - 1} exceeds denominator degree {len(a) - 1}"
         raise ValueError(f"the model is not causal: {degrees}")
-    num, den = np.pad(num, (len(den) - len(num), 0)) / den[0], den / den[0]
-    n = len(den) - 1
+    b, a = np.pad(b, (len(a) - len(b), 0)) / a[0], a / a[0]
+    n = len(a) - 1
     A = np.eye(n, k=-1)
-    A[:1] = -den[1:]
-    return A, np.eye(n, 1), (num[1:] - num[0] * den[1:])[None], num[:1, None]
+    A[:1] = -a[1:]
+    return A, np.eye(n, 1), (b[1:] - b[0] * a[1:])[None], b[:1, None]

@@ -20,7 +20,7 @@ from armside.arrays import Array, npz
 from ..laws.knob_free import Known
 from ..laws.wrappers import Best, SegmentMemory
 from ..learning import LoopState, Trial, learn
-from ..records import as_real, as_record, as_samples
+from ..records import as_number, as_real, as_record, as_samples
 from .laws import build_law
 from .predicted import Prediction, predict
 from .task import Setting, Task
@@ -239,6 +239,9 @@ def run_law(
 
     Raises ValueError for what does not fit, OwnCodeError for what a user's code raises.
     """
+    if as_number(noise, "noise") < 0.0:
+        raise ValueError(f"noise must be >= 0, got {noise}")
+    as_number(iterations, "iterations")
     inner = task.start(repetition)
     rng = np.random.default_rng((seed, repetition, 1))
     generators = [rng, *task.generators_of(inner)]

@@ -7,7 +7,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import ArrayLike
 
-from armside.arrays import Array, check_recorded_time, check_rising
+from armside.arrays import Array, check_numbers, check_recorded_time, check_rising, finite_array
 from armside.ilc.measures import norms
 from armside.kinematics import Limits
 
@@ -39,6 +39,7 @@ class _Turn:
     """Normal of the plane in the axes of the tracker, whose x axis, projected, is the contour's."""
 
     def __post_init__(self) -> None:
+        check_numbers(self, "start", "end", *(["radius"] if hasattr(self, "radius") else []))
         if not self.start < self.end:
             raise ValueError(f"start must be before end, got {self.start:g} and {self.end:g} s")
 
@@ -135,7 +136,9 @@ def measure_table(
     for data in which there is no turn to measure; with column, row and value for times that do not
     increase, at no rate of an instrument, or with a gap, and for angles out of range.
     """
-    gear = np.asarray(gear, dtype=np.float64)
+    gear = finite_array("gear", gear)
+    if gear.ndim != 1:
+        raise ValueError(f"gear must have shape (n,), got {gear.shape}")
     names = set(table.column_names)
     wanted = ["time"] + [f"{kind}_{i + 1}" for kind in KINDS for i in range(len(gear))]
     if absent := [name for name in wanted if name not in names]:

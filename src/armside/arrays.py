@@ -50,6 +50,32 @@ def real_array(name: str, value: ArrayLike, *shape: int) -> Array:
     return np.asarray(given, dtype=np.float64)
 
 
+def shown(value: Any) -> str:
+    """A value on one short line, an array of several axes by its shape."""
+    if np.ndim(value) > 1:
+        return f"an array of shape {np.shape(value)}"
+    text = " ".join(str(value).split())
+    return text if len(text) <= 60 else f"{text[:60]}..."
+
+
+def check_numbers(record: Any, *names: str, several: bool = False) -> None:
+    """Refuse fields of a record that are not a number each, or with `several` one or more, (m,).
+
+    NaN, truth values and text are no numbers; infinity is one. None is left to the record.
+
+    Raises ValueError with name and value.
+    """
+    for name in names:
+        value = getattr(record, name)
+        if value is None:
+            continue
+        array = np.asarray(value) if np.ndim(value) <= 1 else np.empty((0, 0))
+        numbers = array.dtype.kind in "iuf" and array.size and not np.isnan(array).any()
+        if not numbers or array.ndim > several:
+            kind = "numbers" if several else "one number"
+            raise ValueError(f"{name} must be {kind}, got {shown(value)}")
+
+
 def finite_array(name: str, value: ArrayLike, *shape: int) -> Array:
     """Like `real_array`, without NaN and infinities."""
     array = real_array(name, value, *shape)
