@@ -108,15 +108,10 @@ def _state(content: dict[str, Any]) -> RunState | None:
         memory=content["memory"],
         first_size=as_real(content["first_size"], "first_size"),
     )
-    n = loop.error.shape[1]
-    needed = {"error": (len(loop.correction), n), "first_size": (n,)}
-    given = {"error": loop.error.shape, "first_size": loop.first_size.shape}
-    if start is not None:
-        start = as_record(start, "start")
-        needed["start"], given["start"] = loop.correction.shape, start.shape
-    if wrong := [name for name in needed if needed[name] != given[name]]:
-        text = f"the shape {needed[wrong[0]]}, got {given[wrong[0]]}"
-        raise ValueError(f"{wrong[0]} must have {text}")
+    if loop.first_size.ndim != 1:
+        raise ValueError(f"first_size must have shape (m,), got {loop.first_size.shape}")
+    if start is not None and (start := as_record(start, "start")).shape != loop.correction.shape:
+        raise ValueError(f"start must have the shape {loop.correction.shape}, got {start.shape}")
     return RunState(loop=loop, generators=tuple(content["generators"]), start=start)
 
 

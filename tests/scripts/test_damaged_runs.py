@@ -56,7 +56,10 @@ WRONG = {
         {name: lambda u: np.hstack((u, u)) for name in ("correction", "error", "first_size")},
         "the correction to resume from must have the shape",
     ),
-    "one column": ({"error": lambda e: np.hstack((e, e))}, "first_size must have the shape"),
+    "one column": (
+        {"error": lambda e: np.hstack((e, e))},
+        "the error to resume from must have the shape",
+    ),
     "flat": ({"correction": np.ravel}, "correction must have shape (N, n)"),
 }
 
