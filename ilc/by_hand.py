@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from armside.arrays import Array
+from armside.arrays import Array, npz
 
 from .laws.first_order import Law
 from .measures.norms import inf_norm, two_norm
@@ -87,7 +87,7 @@ class ByHand:
     @classmethod
     def load(cls, file: str | Path, law: Law) -> "ByHand":
         """Continue a saved state with the same law, or with another one from here on."""
-        with np.load(file) as saved:
+        with npz(file) as saved:
             missing = {"reference", "outputs", "corrections"} - set(saved.files)
             if missing:
                 raise ValueError(f"{file} lacks {', '.join(sorted(missing))}")

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, check_numbers
 
 from .records import as_whole, records
 
@@ -94,6 +94,8 @@ class ZeroPhaseButterworth:
     edge: Edge = Edge.ODD
 
     def __post_init__(self) -> None:
+        check_numbers(self, "sample_time", "order")
+        check_numbers(self, "cutoff", several=True)
         if not (np.isfinite(self.sample_time) and self.sample_time > 0.0):
             raise ValueError(f"sample_time must be > 0 s, got {self.sample_time}")
         if self.order not in (1, 2, 3, 4):

@@ -6,13 +6,13 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from armside.arrays import Array
+from armside.arrays import Array, shown
 
 from .divergence import DIVERGENCE_RATIO, has_diverged
 from .laws.first_order import Law
 from .measures.norms import two_norm
 from .plant import Plant
-from .records import as_record, as_samples
+from .records import as_number, as_record, as_samples, as_whole
 
 Result = TypeVar("Result")
 
@@ -30,6 +30,14 @@ class LoopState:
     """Of the law, before the update that follows the trial."""
     first_size: Array
     """(n,) sizes of the first error, by which divergence is judged."""
+
+    def check(self, correction: tuple[int, ...], error: tuple[int, ...]) -> None:
+        """Raise ValueError unless both are finite and of these shapes."""
+        for name, needed in (("correction", correction), ("error", error)):
+            given = as_record(getattr(self, name), f"the {name} to resume from")
+            if given.shape != needed:
+                shapes = f"the shape {needed}, got {given.shape}"
+                raise ValueError(f"the {name} to resume from must have {shapes}")
 
 
 @dataclass(frozen=True)
@@ -95,16 +103,17 @@ def learn(
         n_inputs: columns of a correction; as many as the reference has if None.
 
     The loop ends early, its last trial marked `diverged`, when an error is not finite or diverged.
+    The plant is given a copy of each correction.
 
     Raises:
-        ValueError: at once, for a reference or law that does not fit; at the first run, for an
-            output of another shape than the reference.
+        ValueError: at once, for a reference, law or state that does not fit; at the first run, for
+            an output of another shape than the reference, or not finite.
     """
     reference = as_record(reference, "reference")
-    if iterations < 0:
+    if as_whole(as_number(iterations, "iterations"), "iterations") < 0:
         raise ValueError(f"iterations must be >= 0, got {iterations}")
-    if not divergence_ratio > 0.0:
-        raise ValueError(f"divergence_ratio must be > 0, got {divergence_ratio}")
+    if np.ndim(divergence_ratio) or not divergence_ratio > 0.0:
+        raise ValueError(f"divergence_ratio must be > 0, got {shown(divergence_ratio)}")
     shape = len(reference), reference.shape[1] if n_inputs is None else n_inputs
     law.check(*shape)
     if resume is not None and (first_correction is not None or first_result is not None):
@@ -117,6 +126,9 @@ def learn(
         needed = f"the shape {shape}{of}"
         raise ValueError(f"{name} must have {needed}, got {start.shape}")
 
+    if resume is not None:
+        resume.check(shape, reference.shape)
+
     def trials() -> Iterator[Trial[Result]]:
         correction, memory, first_size, first = start, None, None, 0
         if resume is not None:
@@ -126,8 +138,10 @@ def learn(
         last = iterations if resume is None else resume.k + iterations
         for k in range(first, last + 1):
             made = first_result if k == 0 else None
-            result = plant.run(correction) if made is None else made
-            output = _checked(output_of(result), reference)
+            result = plant.run(correction.copy()) if made is None else made
+            # A plant may diverge by learning, to values that are not finite, but not before it.
+            gate = as_samples if k > 0 else as_record
+            output = _checked(gate(output_of(result), f"the output of run {k}"), reference)
             error = reference - output
             size = size_of(error)
             first_size = size if first_size is None else first_size
@@ -142,8 +156,7 @@ def learn(
     return trials()
 
 
-def _checked(output: Any, reference: Array) -> Array:
-    output = as_samples(output, "the output")
+def _checked(output: Array, reference: Array) -> Array:
     if output.shape != reference.shape:
         needed = f"the shape {reference.shape} of the reference"
         raise ValueError(f"the output must have {needed}, got {output.shape}")

@@ -12,7 +12,7 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, shown
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -23,9 +23,22 @@ def as_real(values: ArrayLike, name: str) -> Array:
     if np.ma.is_masked(values):
         raise ValueError(f"{name} must not be masked: mark or repair missing samples")
     array = np.asarray(values)
-    if array.dtype.kind not in "biuf":
+    if array.dtype.kind not in "iuf":
         raise ValueError(f"{name} must be real numbers, got {array.dtype}")
     return array.astype(np.float64, copy=False)
+
+
+def as_number(value: Any, name: str, low: float = -np.inf, high: float = np.inf) -> float:
+    """One finite number. ValueError for an array, text or a truth value, and outside [low, high],
+    where a bound of 0 itself does not count."""
+    number = as_real(value, name)
+    if number.ndim or not np.isfinite(number):
+        raise ValueError(f"{name} must be one finite number, got {shown(value)}")
+    if not low <= number <= high or (low == 0.0 and number == 0.0):
+        below = "" if np.isinf(high) else f" and <= {high:g}"
+        bound = f"{'>' if low == 0.0 else '>='} {low:g}{below}"
+        raise ValueError(f"{name} must be {bound}, got {value}")
+    return float(number)
 
 
 def as_whole(values: ArrayLike, name: str) -> NDArray[np.int64]:
@@ -34,7 +47,7 @@ def as_whole(values: ArrayLike, name: str) -> NDArray[np.int64]:
     whole = given.dtype.kind in "iu" or (given.dtype.kind == "f" and (given == given.round()).all())
     whole = whole and bool(np.isfinite(given).all())
     if not whole:
-        raise ValueError(f"{name} must be a whole number of samples, got {values}")
+        raise ValueError(f"{name} must be a whole number of samples, got {shown(values)}")
     return given.astype(np.int64)
 
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from armside.arrays import Array, real_array
+from armside.arrays import Array, check_numbers, real_array, shown
 
 if TYPE_CHECKING:
     import sympy
@@ -59,7 +59,8 @@ def checked(name: str, value: Any) -> "Scalar":
         if value.is_number and not (value.is_real and _is_finite(value)):
             raise ValueError(f"{name} must be a finite real number, got {str(value)[:40]}")
         return value  # pyright: ignore[reportReturnType] - SymPy is not imported to ask
-    raise TypeError(f"{name} must be a number, a SymPy expression or text, got {value!r}")
+    given = shown(value) if np.ndim(value) else repr(value)
+    raise TypeError(f"{name} must be a number, a SymPy expression or text, got {given}")
 
 
 def _is_finite(value: Any) -> bool:
@@ -200,6 +201,16 @@ class CoupledRange:
     lower: float
     upper: float
 
+    def __post_init__(self) -> None:
+        check_numbers(self, "coefficients", several=True)
+        check_numbers(self, "lower", "upper")
+        if not (np.isfinite(self.coefficients).all() and np.any(self.coefficients)):
+            text = f"finite coefficients that are not all 0, got {self.coefficients}"
+            raise ValueError(f"a coupled range needs {text}")
+        if not self.lower < self.upper:
+            given = f"got {self.lower:g} and {self.upper:g}"
+            raise ValueError(f"a coupled range needs lower below upper, {given}")
+
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
@@ -211,6 +222,7 @@ class Limits:
     coupled: tuple[CoupledRange, ...] = ()
 
     def __post_init__(self) -> None:
+        check_numbers(self, "lower", "upper", "speed", several=True)
         if not len(self.lower) == len(self.upper) == len(self.speed):
             raise ValueError("lower, upper and speed must have one entry for each motor")
         for axis, (low, high) in enumerate(zip(self.lower, self.upper, strict=True), 1):
@@ -221,8 +233,8 @@ class Limits:
             if not speed > 0.0:
                 raise ValueError(f"speed must be > 0, got {speed:g} on axis {axis}")
         for bound in self.coupled:
-            if len(bound.coefficients) != len(self.lower) or not bound.lower < bound.upper:
-                needed = f"{len(self.lower)} coefficients and lower below upper"
+            if len(bound.coefficients) != len(self.lower):
+                needed = f"{len(self.lower)} coefficients"
                 raise ValueError(f"a coupled range needs {needed}, got {bound}")
 
     def contain(self, phi: ArrayLike) -> NDArray[np.bool_]:

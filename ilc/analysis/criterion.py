@@ -10,18 +10,19 @@ is missed: see `models.peak`.
 
 from dataclasses import dataclass, replace
 from enum import Enum
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from armside.arrays import Array
+from armside.arrays import Array, shown
 
 from ..filters import PerColumn, RecordFilter
 from ..laws.first_order import MatrixGain, PType
 from ..models.peak import peak
 from ..models.system import Complex, System, require_stable, unit_circle
 from ..models.system_matrix import Model
-from ..records import as_whole, records
+from ..records import as_real, as_whole, records
 
 LOWEST = 1e-4
 """Lowest frequency of a grid, relative to the Nyquist frequency."""
@@ -96,6 +97,10 @@ def criterion(
     With several motors, responses of shape (M, n, n) (Q: (M,) or (M, n)): |.| becomes the largest
     singular value, and `q` is then 1. Nothing is known between the frequencies.
     """
+    omega = as_real(omega, "omega")
+    if omega.ndim != 1 or not omega.size or not np.isfinite(omega).all():
+        raise ValueError(f"omega must be finite, of shape (M,) with M >= 1, got {shown(omega)}")
+    T_u, L, Q = (_response(n, r, omega) for n, r in (("T_u", T_u), ("L", L), ("Q", Q)))
     if T_u.ndim == 1:
         require_one_cutoff(Q)
         return Criterion(omega, np.abs(1.0 - L * T_u), np.abs(Q))
@@ -106,6 +111,28 @@ def criterion(
     moved = T_u @ L if of is Contracting.ERROR else L @ T_u
     iteration = q[:, :, None] * (np.eye(T_u.shape[1]) - moved)
     return Criterion(omega, np.linalg.norm(iteration, ord=2, axis=(1, 2)), np.ones(len(omega)))
+
+
+def _response(name: str, response: ArrayLike, omega: Array) -> Any:
+    """Response at omega (M,), or one for all of them, of one system or a matrix (M, n, n)."""
+    values = np.asarray(response)
+    if values.dtype.kind not in "iufc" or not np.isfinite(values).all():
+        raise ValueError(f"{name} must be finite numbers, got {shown(response)}")
+    if values.ndim and len(values) != len(omega):
+        raise ValueError(f"{name} must have {len(omega)} rows as omega, got shape {values.shape}")
+    if name == "T_u" and not (values.ndim == 1 or (values.ndim == 3 and values.size)):
+        raise ValueError(f"T_u must have shape (M,) or (M, n, n), got {values.shape}")
+    return values
+
+
+def require_one_sample_time(T_u: Any, *filters: Any) -> None:
+    """Raise ValueError for filters whose sample time is not that of the model T_u."""
+    for one in filters:
+        own = getattr(one, "sample_time", T_u.sample_time)
+        if not np.isclose(own, T_u.sample_time, rtol=1e-9, atol=0.0):
+            name = type(one).__name__
+            text = f"the sample time {T_u.sample_time:g} s of T_u, got {own:g} s"
+            raise ValueError(f"{name} must have {text}")
 
 
 def require_one_cutoff(Q: ArrayLike) -> None:
@@ -136,6 +163,7 @@ def heuristic_criterion(
     """
     require_stable(T_u, "T_u")
     L = heuristic_gain(T_u, gamma, delta)
+    require_one_sample_time(T_u, Q)
 
     def at(omega: Array) -> Criterion:
         return criterion(T_u.response(omega), L.response(omega), Q.response(omega), omega, of)
@@ -195,6 +223,7 @@ def asymptotic_error(
     n_samples = len(first_error)
     length = n_samples + n_padding
     require_stable(T_u, "T_u")
+    require_one_sample_time(T_u, L, Q)
     omega = 2.0 * np.pi * np.fft.rfftfreq(length)
     E = np.fft.rfft(first_error, length, axis=0)
     T, L_response, q = T_u.response(omega), L.response(omega), Q.response(omega)

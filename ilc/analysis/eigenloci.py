@@ -19,7 +19,13 @@ from ..filters import PerColumn, RecordFilter
 from ..models.peak import peak
 from ..models.system import Complex, require_stable
 from ..models.system_matrix import Model
-from .criterion import frequency_grid, heuristic_gain, iteration_poles, require_one_cutoff
+from .criterion import (
+    frequency_grid,
+    heuristic_gain,
+    iteration_poles,
+    require_one_cutoff,
+    require_one_sample_time,
+)
 
 _POWER = 4  # of the iteration, whose largest singular value bounds the loci
 _MOST_POLES = 600  # of that power: fewer factors for plants with many poles
@@ -62,6 +68,7 @@ def eigenloci(
     """
     require_stable(T_u, "T_u")
     L = heuristic_gain(T_u, gamma, delta)
+    require_one_sample_time(T_u, Q)
 
     def iteration(omega: Array) -> Complex:
         T, gain, q = T_u.response(omega), L.response(omega), np.asarray(Q.response(omega))

@@ -18,6 +18,7 @@ from ..models.peak import AllPassPhase
 from ..models.state_space import StateSpace
 from ..models.system import Complex, System, require_stable
 from ..models.system_matrix import Model
+from ..records import as_number, as_real, as_whole
 from .criterion import frequency_grid, heuristic_criterion, shift_response
 
 _ZOOMS = 8  # halvings of the grid around a smallest value: its error falls by 4 in each
@@ -48,7 +49,11 @@ def largest_gamma(
     smallest of these over frequency counts. At omega = 0 it is 2 / |T_u(0)|.
     """
     T_u = require_stable(as_system(T_u), "T_u")
-    deltas = np.atleast_1d(np.asarray(deltas, dtype=np.float64))
+    deltas = np.atleast_1d(as_whole(deltas, "deltas")).astype(np.float64)
+    cutoffs = None if cutoffs is None else np.atleast_1d(as_real(cutoffs, "cutoffs"))
+    for name, given in (("deltas", deltas), ("cutoffs", cutoffs)):
+        if given is not None and (given.ndim != 1 or not given.size):
+            raise ValueError(f"{name} must have shape (m,) with m >= 1, got {given.shape}")
     omega = _grid(T_u, deltas, n_frequencies)
     size, phase = _polar(T_u.response(omega))
     cosine = np.cos(phase + np.multiply.outer(deltas, omega))
@@ -56,7 +61,6 @@ def largest_gamma(
         return np.maximum((cosine + np.abs(cosine)) / size, 0.0).min(axis=1)[:, None]
     squared = np.square(cosine)
     at_rest = 2.0 / max(abs(T_u.static_gain), 1e-150)
-    cutoffs = np.atleast_1d(np.asarray(cutoffs, dtype=np.float64))
     bounds = np.empty((len(deltas), len(cutoffs)))
     lowest = np.empty(bounds.shape, dtype=np.intp)
     for column, cutoff in enumerate(cutoffs):
@@ -129,6 +133,8 @@ def largest_cutoff(
     t_c.
     """
     T_u = require_stable(as_system(T_u), "T_u")
+    as_number(gamma, "gamma", 0.0)
+    as_number(as_whole(delta, "delta"), "delta")
     omega = _grid(T_u, delta, n_frequencies)[:-1]  # at the Nyquist frequency itself Q is 0
 
     def at(omega: Array) -> Array:

@@ -10,6 +10,7 @@ import numpy as np
 from ..filters import ZeroPhaseButterworth
 from ..laws.heuristic import Heuristic
 from ..models.system import System, require_stable
+from ..records import as_number
 from .criterion import (
     Criterion,
     frequency_grid,
@@ -107,9 +108,12 @@ def propose(
             shift in `deltas` contracts by `SLOWEST`. The message states the feasible bandwidth.
     """
     require_stable(T_u, "T_u")
+    as_number(bandwidth, "bandwidth", 0.0)
+    if not len(deltas):
+        raise ValueError(f"deltas must hold at least one shift, got {deltas}")
     if (gain := T_u.static_gain) <= 0.0:
         raise ValueError(f"the static gain of T_u must be > 0, as gamma must, got {gain:.3g}")
-    if not 0.0 < fraction < 1.0:
+    if not 0.0 < as_number(fraction, "fraction") < 1.0:
         raise ValueError(f"fraction must be in (0, 1), got {fraction}")
     found = list(_contracting(T_u, bandwidth, deltas, fraction, order))
     if not found:
@@ -132,6 +136,8 @@ def design_for(
     fit: of T_u to its data; below `TRUSTED_FIT` only the lowest cutoff is offered. Raises
     ValueError if no shift contracts at the lowest cutoff.
     """
+    if not len(cutoffs):
+        raise ValueError("cutoffs must hold at least one cutoff, got none")
     offered = cutoffs if fit >= TRUSTED_FIT else cutoffs[:1]
     best = propose(T_u, offered[0], deltas=deltas)
     for cutoff in offered[1:]:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from armside.arrays import Array
+from armside.arrays import Array, check_numbers
 
 from ..filters import End, PerColumn, RecordFilter, as_tuple, check_columns, check_shift, shift
 from ..records import records
@@ -27,6 +27,7 @@ class Heuristic(FirstOrderLaw):
     """Samples moved in at the end of the record; zeros leave a slow mode there."""
 
     def __post_init__(self) -> None:
+        check_numbers(self, "gamma", "delta", several=True)
         for name in ("gamma", "delta"):
             if np.ndim(getattr(self, name)) == 1:
                 object.__setattr__(self, name, tuple(getattr(self, name)))
@@ -47,4 +48,8 @@ class Heuristic(FirstOrderLaw):
 
     @records("correction", "error")
     def __call__(self, correction: Array, error: Array, /) -> Array:
-        return self.Q(correction + np.asarray(self.gamma) * shift(error, self.delta, self.end))
+        check_columns("gamma", self.gamma, error.shape[1])
+        learned = self.Q(correction + np.asarray(self.gamma) * shift(error, self.delta, self.end))
+        if np.shape(learned) != correction.shape:
+            raise ValueError(f"Q must return the shape {correction.shape}, got {np.shape(learned)}")
+        return learned

@@ -24,7 +24,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, check_numbers
 
 from ..filters import RecordFilter
 from ..models.system import Complex, require_stable
@@ -187,6 +187,8 @@ class RegularisedInverse(FirstOrderLaw):
     """Largest correction of each input, relative to its size."""
 
     def __post_init__(self) -> None:
+        check_numbers(self, "sample_time", "cutoff", "gamma", "regularisation", "limit")
+        check_numbers(self, "output_weight", "input_size", several=True)
         if not 0.0 < self.cutoff < (top := 0.5 / self.sample_time):
             raise ValueError(f"cutoff must be above 0 and below {top:g} Hz, got {self.cutoff}")
         if not 0.0 < self.gamma < 2.0:

@@ -18,7 +18,7 @@ from armside.arrays import Array
 from ..filters import RecordFilter
 from ..models.system import Complex, System
 from ..models.system_matrix import AnyModel, check_model
-from ..records import as_real, as_whole, records
+from ..records import as_number, as_real, as_whole, records
 from .first_order import FirstOrderLaw
 from .model_based import Response
 from .quadratic import QuadraticCriterion, QuadraticProblem, Weight, conjugate_step, per_sample
@@ -44,6 +44,7 @@ class NormOptimal(FirstOrderLaw):
 
     def __post_init__(self) -> None:
         check_model(self.T_u)
+        as_number(as_whole(self.n_samples, "n_samples"), "n_samples", 1)
         if self.n_columns == 0:
             object.__setattr__(self, "n_columns", self.T_u.n_inputs)
         problem = QuadraticProblem.build(self.T_u, self.criterion, self.n_samples, self.n_columns)

@@ -33,15 +33,21 @@ from armside.arrays import Array
 
 from ..models.system import Complex, System, require_stable, unit_circle
 from ..models.system_matrix import AnyModel, check_inputs, check_model, n_outputs_of
-from ..records import as_real, as_record, records
+from ..records import as_number, as_real, as_record, as_whole, records
 from .first_order import FirstOrderLaw
+
+LARGEST_ORDER = 10
+"""Of a derivative. ESTIMATE: each difference divides rounding by the sample time."""
 
 
 @records("reference")
 def derivatives(reference: Array, sample_time: float, order: int = 4) -> Array:
     """(N, n, order): derivatives 1 .. order of each column, central differences [1/s]."""
-    if order < 1:
-        raise ValueError(f"order must be >= 1, got {order}")
+    as_number(sample_time, "sample_time", 0.0)
+    if not 1 <= as_whole(order, "order") <= LARGEST_ORDER:
+        raise ValueError(f"order must be 1 to {LARGEST_ORDER}, got {order}")
+    if len(reference) < 2:
+        raise ValueError(f"reference must have at least 2 samples, got {len(reference)}")
     found, last = [], reference
     for _ in range(order):
         last = np.gradient(last, sample_time, axis=0)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, check_numbers
 
 from ..filters import ALL_PASS, RecordFilter
 from ..records import records
@@ -88,6 +88,8 @@ class Guarded:
     patience: int = 3
 
     def __post_init__(self) -> None:
+        check_numbers(self, "tolerance", "back_off", "patience")
+        check_numbers(self, "weight", several=True)
         if not self.tolerance >= 1.0:
             raise ValueError(f"tolerance must be >= 1, got {self.tolerance}")
         if not 0.0 < self.back_off < 1.0:

@@ -26,6 +26,9 @@ def crossings(commanded: Array, tangent: Array, attained: Array) -> Array:
         tangent: (M, d), unit vectors along it.
         attained: (K, d) [m], samples of one revolution; the last is joined to the first.
     """
+    if attained.shape[1] != commanded.shape[1]:
+        given = f"got {attained.shape[1]} and {commanded.shape[1]}"
+        raise ValueError(f"attained and commanded must have one dimension, {given}")
     found = np.full(commanded.shape, np.nan)
     step = np.roll(attained, -1, axis=0) - attained
     for i, (c, t) in enumerate(zip(commanded, tangent, strict=True)):
@@ -45,7 +48,10 @@ def path_accuracy(commanded: Array, attained: Array) -> float:
 
     attained: (n, M, d) [m], intersections of n runs with the plane of each point.
     """
-    attained = _as_runs(attained)
+    attained, commanded = _as_runs(attained), as_real(commanded, "commanded")
+    if attained.shape[1:] != commanded.shape:
+        text = f"{commanded.shape} as commanded, got {attained.shape[1:]}"
+        raise ValueError(f"each run of attained must have the shape {text}")
     return float(np.linalg.norm(attained.mean(axis=0) - commanded, axis=1).max())
 
 

@@ -94,7 +94,7 @@ def _mat(file: Path) -> dict[str, Any]:
     arrays = {name: value for name, value in found.items() if not name.startswith("__")}
     flat = {name: np.ravel(value) for name, value in arrays.items() if name not in "ABCD"}
     if (time := flat.get("sample_time")) is not None:
-        if time.size != 1 or time.dtype.kind not in "biuf":
+        if time.size != 1 or time.dtype.kind not in "iuf":
             raise ValueError(f"{file}: sample_time must be one number")
         return arrays | flat | {"sample_time": float(time[0])}
     return arrays | flat

@@ -7,7 +7,7 @@ from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 
-from armside.arrays import Array
+from armside.arrays import Array, check_numbers
 
 from ..plant import Plant
 from ..records import as_record, records
@@ -61,6 +61,7 @@ class LinearPlant:
         for load in self.loads:
             if load.shape != reference.shape:
                 raise ValueError(f"loads must have shape {reference.shape}, got {load.shape}")
+        check_numbers(self, "noise")
         if self.noise < 0.0 or (self.noise > 0.0 and self.rng is None):
             needed = ">= 0 and needs an rng if it is not 0"
             raise ValueError(f"noise must be {needed}, got {self.noise}")

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from ..records import as_real, records
+from ..records import as_number, as_real, records
 from .blocks import Realisation, filtered
 from .lifted import check_shape
 from .system import Complex, unit_circle, zero_order_hold
@@ -52,8 +52,7 @@ class StateSpace(_OnRecords):
     """[s]."""
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.sample_time) and self.sample_time > 0.0):
-            raise ValueError(f"sample_time must be > 0 s, got {self.sample_time}")
+        as_number(self.sample_time, "sample_time", 0.0)
         A, B, C, D = matrices(self.A, self.B, self.C, self.D, dimensions=2)
         for name, M in zip("ABCD", (A, B, C, D), strict=True):
             M.setflags(write=False)
@@ -64,6 +63,7 @@ class StateSpace(_OnRecords):
         cls, A: ArrayLike, B: ArrayLike, C: ArrayLike, D: ArrayLike | None, sample_time: float
     ) -> "StateSpace":
         """From x' = A x + B u, y = C x + D u with u held over each sample (zero-order hold)."""
+        as_number(sample_time, "sample_time", 0.0)
         known = matrices(A, B, C, D, dimensions=2)
         return cls(*zero_order_hold(known[0], known[1], sample_time), *known[2:], sample_time)
 

@@ -11,10 +11,10 @@ from typing import Protocol, TypeVar, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, shown
 
 from ..filters import recursion
-from ..records import as_real, records
+from ..records import as_number, as_real, records
 
 
 def is_stable(a: Array) -> bool:
@@ -72,12 +72,8 @@ class System:
     """[s]."""
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.sample_time) and self.sample_time > 0.0):
-            raise ValueError(f"sample_time must be > 0 s, got {self.sample_time}")
-        b, a = (np.atleast_1d(as_real(p, n)) for p, n in ((self.b, "b"), (self.a, "a")))
-        for name, p in (("b", b), ("a", a)):
-            if p.ndim != 1 or p.size == 0 or not np.isfinite(p).all():
-                raise ValueError(f"{name} must be finite coefficients of shape (m,), got {p}")
+        as_number(self.sample_time, "sample_time", 0.0)
+        b, a = polynomial(self.b, "b"), polynomial(self.a, "a")
         if a[0] == 0.0:
             raise ValueError(
                 "the model is not causal: the denominator in powers of q^-1 must start with a "
@@ -90,8 +86,8 @@ class System:
     @classmethod
     def from_z(cls, num: ArrayLike, den: ArrayLike, sample_time: float) -> "System":
         """From polynomials in descending powers of z (or q). ValueError if it is not causal."""
-        b = np.trim_zeros(np.atleast_1d(as_real(num, "num")), "f")
-        a = np.trim_zeros(np.atleast_1d(as_real(den, "den")), "f")
+        b = np.trim_zeros(polynomial(num, "num"), "f")
+        a = np.trim_zeros(polynomial(den, "den"), "f")
         if len(b) > len(a):
             raise ValueError(
                 f"the model is not causal: numerator degree {len(b) - 1} in q exceeds "
@@ -232,7 +228,8 @@ def state_space_to_system(A: Array, B: Array, C: Array, sample_time: float) -> S
 
 def zoh(num: ArrayLike, den: ArrayLike, sample_time: float) -> System:
     """Zero-order-hold equivalent of num(s)/den(s), descending powers of s, as MATLAB's c2d."""
-    A, B, C, D = controller_form(as_real(num, "num"), as_real(den, "den"))
+    as_number(sample_time, "sample_time", 0.0)
+    A, B, C, D = controller_form(num, den)
     strictly_proper = state_space_to_system(*zero_order_hold(A, B, sample_time), C, sample_time)
     b = strictly_proper.b + D[0, 0] * strictly_proper.a
     return System(b, strictly_proper.a, sample_time)
@@ -243,7 +240,8 @@ def tustin(num: ArrayLike, den: ArrayLike, sample_time: float) -> System:
 
     That of `scipy.signal.bilinear` without its import, which takes half a second.
     """
-    num, den = as_real(num, "num"), as_real(den, "den")
+    as_number(sample_time, "sample_time", 0.0)
+    num, den = polynomial(num, "num"), polynomial(den, "den")
     degree = max(len(num), len(den)) - 1
 
     def substituted(polynomial: Array) -> Array:
@@ -257,14 +255,25 @@ def tustin(num: ArrayLike, den: ArrayLike, sample_time: float) -> System:
     return System(substituted(num), substituted(den), sample_time)
 
 
-def controller_form(num: Array, den: Array) -> tuple[Array, Array, Array, Array]:
+def polynomial(coefficients: ArrayLike, name: str) -> Array:
+    """(m,) coefficients of descending powers. ValueError for none, or not finite ones, and for a
+    denominator `den` that is 0."""
+    p = np.atleast_1d(as_real(coefficients, name))
+    if p.ndim != 1 or not p.size or not np.isfinite(p).all():
+        raise ValueError(f"{name} must be finite coefficients of shape (m,), got {shown(p)}")
+    if name == "den" and not p.any():
+        raise ValueError(f"{name} must have a coefficient that is not 0, got {p}")
+    return p
+
+
+def controller_form(num: ArrayLike, den: ArrayLike) -> tuple[Array, Array, Array, Array]:
     """(A, B, C, D) of num / den, descending powers. ValueError for one that is not causal."""
-    num, den = (np.trim_zeros(as_real(p, "a polynomial"), "f") for p in (num, den))
-    if len(num) > len(den):
-        degrees = f"numerator degree {len(num) - 1} exceeds denominator degree {len(den) - 1}"
+    b, a = np.trim_zeros(polynomial(num, "num"), "f"), np.trim_zeros(polynomial(den, "den"), "f")
+    if len(b) > len(a):
+        degrees = f"numerator degree {len(b) - 1} exceeds denominator degree {len(a) - 1}"
         raise ValueError(f"the model is not causal: {degrees}")
-    num, den = np.pad(num, (len(den) - len(num), 0)) / den[0], den / den[0]
-    n = len(den) - 1
+    b, a = np.pad(b, (len(a) - len(b), 0)) / a[0], a / a[0]
+    n = len(a) - 1
     A = np.eye(n, k=-1)
-    A[:1] = -den[1:]
-    return A, np.eye(n, 1), (num[1:] - num[0] * den[1:])[None], num[:1, None]
+    A[:1] = -a[1:]
+    return A, np.eye(n, 1), (b[1:] - b[0] * a[1:])[None], b[:1, None]

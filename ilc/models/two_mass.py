@@ -13,7 +13,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..records import as_record, records
+from ..records import as_number, as_record, records
 from .system import System, require_stable, state_space_to_system, tustin, zero_order_hold, zoh
 
 
@@ -126,6 +126,9 @@ class TwoMassLoop:
     arm_reading: ArmReading = ArmReading.THESIS
     sample_time: float = 0.01
     """[s]. Thesis Table 8.1."""
+
+    def __post_init__(self) -> None:
+        as_number(self.sample_time, "sample_time", 0.0)
 
     @property
     def F(self) -> System:

@@ -15,12 +15,12 @@ from typing import Any
 
 import numpy as np
 
-from armside.arrays import Array
+from armside.arrays import Array, npz
 
 from ..laws.knob_free import Known
 from ..laws.wrappers import Best, SegmentMemory
 from ..learning import LoopState, Trial, learn
-from ..records import as_real
+from ..records import as_number, as_real, as_record, as_samples
 from .laws import build_law
 from .predicted import Prediction, predict
 from .task import Setting, Task
@@ -86,26 +86,33 @@ def save_states(file: Path, states: Mapping[str, RunState]) -> list[str]:
 def read_states(file: Path) -> dict[str, RunState | None]:
     """States by key; None where a memory could not be stored. ValueError for a damaged file."""
     try:
-        with np.load(file, allow_pickle=False) as stored:
+        with npz(file) as stored:
             trees = json.loads(str(stored["tree"]))
             contents = {key: _unpacked(tree, stored) for key, tree in trees.items()}
             return {key: _state(content) for key, content in contents.items()}
     except Exception as error:  # numpy, zipfile and json raise many kinds
-        raise ValueError(f"{file} holds no state of a learning run: {error}") from error
+        reason = str(error).removeprefix(f"{file} ")
+        raise ValueError(f"{file} holds no state of a learning run: {reason}") from error
 
 
 def _state(content: dict[str, Any]) -> RunState | None:
     if content.get("unstored"):
         return None
+    k, start = content["k"], content.get("start")
+    if not (isinstance(k, int) and k >= 0):
+        raise ValueError(f"k must be a whole number >= 0, got {k!r}")
     loop = LoopState(
-        k=content["k"],
-        correction=content["correction"],
-        error=content["error"],
+        k=k,
+        correction=as_record(content["correction"], "correction"),
+        error=as_samples(content["error"], "error"),
         memory=content["memory"],
-        first_size=content["first_size"],
+        first_size=as_real(content["first_size"], "first_size"),
     )
-    generators = tuple(content["generators"])
-    return RunState(loop=loop, generators=generators, start=content.get("start"))
+    if loop.first_size.ndim != 1:
+        raise ValueError(f"first_size must have shape (m,), got {loop.first_size.shape}")
+    if start is not None and (start := as_record(start, "start")).shape != loop.correction.shape:
+        raise ValueError(f"start must have the shape {loop.correction.shape}, got {start.shape}")
+    return RunState(loop=loop, generators=tuple(content["generators"]), start=start)
 
 
 def _packed(value: Any, arrays: dict[str, Any]) -> Any:
@@ -227,6 +234,9 @@ def run_law(
 
     Raises ValueError for what does not fit, OwnCodeError for what a user's code raises.
     """
+    if as_number(noise, "noise") < 0.0:
+        raise ValueError(f"noise must be >= 0, got {noise}")
+    as_number(iterations, "iterations")
     inner = task.start(repetition)
     rng = np.random.default_rng((seed, repetition, 1))
     generators = [rng, *task.generators_of(inner)]

@@ -71,8 +71,16 @@ def read_input_output(
 ) -> InputOutput:
     """From a CSV file with columns time (perhaps), inputs, outputs, or MAT variables u and y.
 
-    sample_time: [s], where the file has neither time nor sample_time. Raises ValueError.
+    sample_time: [s], where the file has neither time nor sample_time. Raises ValueError, with the
+    file's name.
     """
+    try:
+        return _read(file, n_inputs, sample_time)
+    except ValueError as error:
+        raise ValueError(f"{file}: {str(error).removeprefix(f'{file}: ')}") from error
+
+
+def _read(file: Path, n_inputs: int, sample_time: float | None) -> InputOutput:
     if file.suffix.lower() == ".mat":
         return _from_mat(file, sample_time)
     signal = read_signal(file)
@@ -103,7 +111,7 @@ def _from_mat(file: Path, sample_time: float | None) -> InputOutput:
     if missing := [name for name in "uy" if name not in found]:
         raise ValueError(f"{file} lacks {' and '.join(missing)}: it needs u and y, time down")
     time = np.ravel(found["sample_time"]) if "sample_time" in found else np.zeros(0)
-    stated = float(time[0]) if time.size == 1 and time.dtype.kind in "biuf" else None
+    stated = float(time[0]) if time.size == 1 and time.dtype.kind in "iuf" else None
     columns = (np.asarray(found[name]) for name in "uy")
     u, y = (M.T if M.ndim == 2 and len(M) == 1 else M for M in columns)
     return InputOutput(u=u, y=y, sample_time=_sample_time(file, stated, sample_time))

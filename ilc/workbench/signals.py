@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from armside.arrays import Array
+from armside.arrays import Array, check_rising
 
 from ..models.two_mass import step_reference
 from ..records import records
@@ -77,9 +77,7 @@ def read_signal(file: Path) -> CsvSignal:
     time, values = table[:, 0], table[:, 1:]
     if values.shape[1] == 0:
         raise ValueError(f"{file} has a column time and no other")
-    if (np.diff(time) <= 0.0).any():
-        at = int(np.flatnonzero(np.diff(time) <= 0.0)[0])
-        raise ValueError(f"{file}: time must increase, got {time[at + 1]:g} after {time[at]:g}")
+    check_rising(file, time)
     return CsvSignal(file, time, values)
 
 

@@ -13,7 +13,7 @@ from ..analysis.proposal import propose
 from ..filters import ZeroPhaseButterworth
 from ..models.system import System
 from ..models.system_matrix import Model
-from ..records import as_real, records
+from ..records import as_number, as_real, as_record, records
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -117,6 +117,10 @@ class Task:
     """Raises ValueError for a correction (N, n) that the plant would not take."""
     close: Callable[[], None] = _nothing_to_close
     """Gives back what the plant holds, such as a connection."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "reference", as_record(self.reference, "reference"))
+        as_number(self.sample_time, "sample_time", 0.0)
 
     @property
     def default_cutoff(self) -> float:

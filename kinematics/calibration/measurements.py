@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, finite_array, real_array
 
 SAME_POSE = 1e-3
 """Motor angles [rad or m] within which two rows are repeats of one pose."""
@@ -32,6 +32,8 @@ class Measurements:
     """(N,) Row of each configuration in its file, from 1."""
 
     def __post_init__(self) -> None:
+        finite_array("phi", self.phi)
+        real_array("points", self.points)
         if self.phi.ndim != 2 or self.points.shape[::2] != (len(self.phi), 3):
             given = f"got {self.phi.shape} and {self.points.shape}"
             raise ValueError(f"phi must be (N, n) and points (N, T, 3), {given}")

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, shown
 
 from ..cache import cached_module
 from ..dh import Limits, Robot
@@ -199,7 +199,7 @@ def _unwrapped(robot: Robot, phi: Array) -> Array:
 def _configuration(phi: ArrayLike | None) -> Array:
     start = np.zeros(6) if phi is None else np.asarray(phi, dtype=np.float64)
     if start.shape != (6,) or not np.isfinite(start).all():
-        raise ValueError(f"a configuration must be 6 finite motor angles, got {phi}")
+        raise ValueError(f"a configuration must be 6 finite motor angles, got {shown(phi)}")
     return start
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from armside.sim.records import read_run
-from armside.sim.records.files import check_file_to_write, check_name
+from armside.sim.records.files import check_file_to_write
 from armside.sim.records.run_folder import check_destination, check_writable
 from armside.sim.records.summary import summary
 
@@ -94,7 +94,6 @@ def _recording(source: Path, cfg: ConvertCfg) -> tuple[dict[str, Any], str]:
     from armside.sim.records.atomic import staged
 
     folder = cfg.file or source.absolute().parent / f"{source.stem}-{cfg.to}"
-    check_name(folder)
     check_destination(folder)
     check_writable(folder)
     with checking_input():

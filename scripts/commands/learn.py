@@ -74,6 +74,9 @@ def _check_laws(cfg: LearnCfg, task: "Task", before: Starts | None) -> None:
             raise ValueError(f"the correction of {cfg.start} has the shape {shapes}")
         if start is not None:
             task.check(start)
+        for case in product(cfg.noise, range(cfg.repeats) if before else ()):
+            if before and (state := before.state(law, *case)) is not None:
+                state.loop.check(task.reference.shape, task.reference.shape)
 
 
 def _runs(

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import numpy as np
 import pyarrow as pa
 
+from armside.kinematics import Limits as JointLimits
 from armside.sim.evaluation.recorded import (
     CircleTurn,
     ContourTurn,
@@ -19,6 +20,7 @@ from armside.sim.evaluation.recorded import (
     notes_of_table,
 )
 from armside.sim.part.contour_file import read_contour
+from armside.sim.records.files import reading
 from armside.sim.records.signals import signals_of
 from armside.sim.records.stored_run import read_run
 from armside.sim.records.summary import summary
@@ -86,10 +88,16 @@ def measure(file: Path, /, *, cfg: MeasureCfg = MeasureCfg(), common: Common = C
         file = read_run(file).file("signals.parquet") if file.is_dir() else file
         read = read_table(file)
         if b"armside.config" in (read.schema.metadata or {}):
-            signals = signals_of(read, source=file.name)
-            rows, said = measure_signals(signals), notes_of_signals(signals)
+            with reading(file):
+                signals = signals_of(read, source=file.name)
+                rows = measure_signals(signals, limits_of(signals.config.get("robot")))
+                said = notes_of_signals(signals)
         else:
-            rows, said = measure_table(read, gears(cfg, read), turn(cfg)), notes_of_table(read)
+            ratios, curve = gears(cfg, read), turn(cfg)
+            limits = limits_of(None if cfg.gear or not len(ratios) else cfg.robot)
+            with reading(file):
+                rows = measure_table(read, ratios, curve, limits)
+                said = notes_of_table(read)
     outcome = summary("measure", cfg, common, file=file, iterations=rows, notes=said)
     keep(outcome, common)
     report.notes(said)
@@ -117,6 +125,14 @@ def show(report: Report, rows: Sequence[IterationMeasures]) -> None:
         report.line(f"Not measured: {', '.join(absent)}, without samples")
     if "arm RMS" not in names:
         report.line(f"Not measured: the tool. {NO_TOOL}")
+
+
+def limits_of(robot: Any) -> JointLimits | None:
+    """Joint limits of a robot by name or file; None where it is not known, or not there."""
+    try:
+        return find_cell(robot).limits if isinstance(robot, str) else None
+    except (ValueError, OSError):
+        return None
 
 
 def gears(cfg: MeasureCfg, table: pa.Table) -> np.ndarray:

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import armside
+from armside.arrays import npz
 from armside.sim.records.atomic import atomic
 from armside.sim.records.summary import plain
 
@@ -96,7 +97,7 @@ class Store:
 
 
 def _arrays(file: Path) -> Result:
-    with open(file, "rb") as stream, np.load(stream, allow_pickle=False) as arrays:
+    with open(file, "rb") as stream, npz(stream) as arrays:
         return {name: arrays[name] for name in arrays.files}
 
 

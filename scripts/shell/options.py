@@ -13,7 +13,7 @@ from typing import Annotated, Any, NamedTuple
 from cyclopts import Group, Parameter, Token, convert
 from cyclopts.validators import Number
 
-from armside.sim.records.files import check_file, check_file_to_write, check_name
+from armside.sim.records.files import check_file, check_file_to_write
 from armside.sim.records.run_folder import check_destination, check_shared_folder, check_writable
 
 from .help import COMMON
@@ -122,7 +122,7 @@ FileToWrite = Annotated[Path | None, Parameter(validator=path_checked(check_file
 """Type of an option that names a file to write: its folder must be there and writable."""
 
 
-_OUT = Parameter(validator=path_checked(check_name, check_destination, check_writable))
+_OUT = Parameter(validator=path_checked(check_destination, check_writable))
 
 
 @Parameter(name="*", group=Group(COMMON, sort_key=9))

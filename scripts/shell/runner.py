@@ -28,6 +28,7 @@ def run(tokens: list[str], commands: "Commands", load: "Load") -> int:
         if not tokens or tokens[0] in (*BRIEF, WHOLE):
             print(overview(commands), flush=True)
             return DONE
+        _check_environment()
         from .parser import parse  # which takes half of the time of the overview
 
         command, bound = parse(tokens, commands, load)
@@ -48,6 +49,17 @@ def run(tokens: list[str], commands: "Commands", load: "Load") -> int:
             traceback.print_exc()
         is_bad = isinstance(error, InputError) or getattr(error, "errno", None) in OF_NAMES
         return _complain(_message(error), BAD_INPUT if is_bad else FAILED)
+
+
+def _check_environment() -> None:
+    """Refuse a backend that matplotlib does not know: importing it would fail, perhaps after the
+    work is done."""
+    if backend := os.environ.get("MPLBACKEND"):
+        try:
+            import matplotlib as mpl  # noqa: F401
+        except ValueError as error:
+            text = f"the environment variable MPLBACKEND names {backend!r}, which is no backend"
+            raise InputError(f"{text} of matplotlib: unset it") from error
 
 
 def _kept() -> str:

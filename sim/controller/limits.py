@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from armside.arrays import Array
+from armside.arrays import Array, check_numbers
 from armside.kinematics import Limits
 
 if TYPE_CHECKING:
@@ -38,6 +38,13 @@ class GuidanceLimits:
     """[s]."""
     joints: Limits | None = None
     """Ranges of sums of motor angles beside those of each."""
+
+    def __post_init__(self) -> None:
+        check_numbers(self, "lower", "upper", "speed", several=True)
+        check_numbers(self, "correction", "period")
+        shapes = {np.shape(each) for each in (self.lower, self.upper, self.speed)}
+        if len(shapes) > 1:
+            raise ValueError(f"lower, upper and speed must have one shape (n,), got {shapes}")
 
     @classmethod
     def of_cell(cls, cell: "Cell") -> "GuidanceLimits":

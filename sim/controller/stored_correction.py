@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from armside.arrays import Array
+from armside.arrays import Array, check_recorded_time
 from armside.ilc.workbench.signals import CsvSignal, read_signal
 from armside.ilc.workbench.words import Words
 
 from ..notes import GROWTH
-from ..records.files import InputError
+from ..records.files import InputError, reading
 from ..records.stored_run import StoredRun
 from ..records.tables import float_columns, read_table
 from .gate import STATES
@@ -154,6 +154,9 @@ def read_correction(file: Path) -> CsvSignal:
     time = float_columns(table, ["time"])[:, 0] if "time" in names else None
     if not np.isfinite(values).all():
         raise InputError(f"{file}: values of the correction are missing or not finite")
-    if time is not None and not (len(time) > 1 and (np.diff(time) > 0.0).all()):
-        raise InputError(f"{file}: time must increase")
+    if time is not None:
+        if len(time) < 2:
+            raise InputError(f"{file}: at least 2 rows are needed, got {len(time)}")
+        with reading(file):
+            check_recorded_time(file.name, time)
     return CsvSignal(file, time, values)

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.compute as pc
 from numpy.typing import ArrayLike
 
-from armside.arrays import Array
+from armside.arrays import Array, check_numbers, check_recorded_time, check_rising, finite_array
 from armside.ilc.measures import norms
+from armside.kinematics import Limits
 
 from ..instruments.laser_tracker import TrackerSamples, beam
 from ..motion.contour import ClosedCurve
@@ -17,8 +17,9 @@ from ..motion.path import Plane
 from ..motion.tool_motion import ToolMotion, motion_notes
 from ..notes import Cause, Note, together
 from ..part.motion import PartMotion
+from ..recordings.recorded_motion import check_range
 from ..records.signals import Signals
-from ..records.tables import TRUTH_VALUE, float_columns
+from ..records.tables import TRUTH_VALUE, float_columns, floats
 from ..robot.recording import saturation
 from .contour_error import contour_errors
 from .tool_error import fit, tool_error
@@ -38,6 +39,7 @@ class _Turn:
     """Normal of the plane in the axes of the tracker, whose x axis, projected, is the contour's."""
 
     def __post_init__(self) -> None:
+        check_numbers(self, "start", "end", *(["radius"] if hasattr(self, "radius") else []))
         if not self.start < self.end:
             raise ValueError(f"start must be before end, got {self.start:g} and {self.end:g} s")
 
@@ -77,10 +79,12 @@ class IterationMeasures:
     """[m], (9.6) and (9.7)."""
 
 
-def measure_signals(signals: Signals) -> list[IterationMeasures]:
+def measure_signals(signals: Signals, limits: Limits | None = None) -> list[IterationMeasures]:
     """Measures of each iteration of a stored run, along its stored path; no motion is planned.
 
-    Raises ValueError for signals without programmed path or gear ratios.
+    limits: of the robot, as of `measure_table`.
+
+    Raises ValueError for signals without programmed path or gear ratios, or angles out of range.
     """
     path, gear = signals.path, signals.gear
     if path is None or gear is None:
@@ -90,6 +94,8 @@ def measure_signals(signals: Signals) -> list[IterationMeasures]:
         )
     rows = []
     for run in signals.runs:
+        for name in KINDS:
+            check_range(f"k = {run.k}", name, getattr(run.recording, name), limits)
         rms = maxdev = np.nan
         if run.tracker is not None:
             rms, maxdev = _tool(path, run.tracker)
@@ -109,7 +115,10 @@ def _tool(path: ToolMotion | PartMotion, seen: TrackerSamples) -> tuple[float, f
 
 
 def measure_table(
-    table: pa.Table, gear: ArrayLike, turn: CircleTurn | ContourTurn | None
+    table: pa.Table,
+    gear: ArrayLike,
+    turn: CircleTurn | ContourTurn | None,
+    limits: Limits | None = None,
 ) -> list[IterationMeasures]:
     """Measures of each iteration k in a table.
 
@@ -120,11 +129,16 @@ def measure_table(
     Args:
         gear: (n,) ratios; none for data of the tracker alone.
         turn: circle or contour that the tracker saw; None measures the motors alone.
+        limits: of the robot, by which angles in degrees are noticed; else some turns of each axis
+            with a gear.
 
     Raises ValueError for columns that are missing, or not as many motors as gears; without gears
-    for data in which there is no turn to measure.
+    for data in which there is no turn to measure; with column, row and value for times that do not
+    increase, at no rate of an instrument, or with a gap, and for angles out of range.
     """
-    gear = np.asarray(gear, dtype=np.float64)
+    gear = finite_array("gear", gear)
+    if gear.ndim != 1:
+        raise ValueError(f"gear must have shape (n,), got {gear.shape}")
     names = set(table.column_names)
     wanted = ["time"] + [f"{kind}_{i + 1}" for kind in KINDS for i in range(len(gear))]
     if absent := [name for name in wanted if name not in names]:
@@ -136,23 +150,40 @@ def measure_table(
             "without motors, columns of a tracker and the circle or contour are needed"
         )
     ks = table["k"].unique().to_pylist() if "k" in names else [0]
-    rows = [_one(table, k, gear, turn) for k in sorted(ks)]
+    rows = [_one(table, k, gear, turn, limits) for k in sorted(ks)]
     if not any(np.isfinite([*row.motor_inf, row.arm_rms]).any() for row in rows):
         raise ValueError("the data hold no samples of motors or tool")
     return rows
 
 
 def _one(
-    table: pa.Table, k: int, gear: Array, turn: CircleTurn | ContourTurn | None
+    table: pa.Table,
+    k: int,
+    gear: Array,
+    turn: CircleTurn | ContourTurn | None,
+    limits: Limits | None,
 ) -> IterationMeasures:
-    own = table.filter(pc.field("k") == k) if "k" in table.column_names else table
-    reference, angle = (
-        float_columns(own, [f"{kind}_{i + 1}" for i in range(len(gear))]) for kind in KINDS
-    )
+    whole = np.full(table.num_rows, True)
+    rows = np.flatnonzero(floats(table, "k") == k if "k" in table.column_names else whole)
+    own = table.take(rows)
+    time = floats(own, "time")
+    signals = [float_columns(own, [f"{kind}_{i + 1}" for i in range(len(gear))]) for kind in KINDS]
+    for name, values in zip(KINDS, signals, strict=True):
+        # Without a gear they are angles of the motor shaft, which turn without bound.
+        arm_side = values if limits is not None else np.where(np.abs(gear) == 1.0, 0.0, values)
+        check_range(f"k = {k}", name, arm_side, limits, rows)
+    reference, angle = signals
     error = (reference - angle) * gear
+    log = np.isfinite(error).any(axis=1)
+    check_recorded_time(f"k = {k}: log", time[log], rows[log])
     rms = maxdev = np.nan
     if turn is not None and set(TRACKER) <= set(own.column_names):
-        rms, maxdev = _deviation(own, turn)
+        point = float_columns(own, TRACKER)
+        there = np.isfinite(point).all(axis=1)
+        check_rising(f"k = {k}: tracker", time[there], rows[there])
+        seen = there & (time >= turn.start) & (time < turn.end)
+        check_recorded_time(f"k = {k}: tracker", time[seen], rows[seen])
+        rms, maxdev = _deviation(point[seen], turn)
     return _measures(k, error, rms, maxdev)
 
 
@@ -167,14 +198,12 @@ def _measures(k: int, motor_error: Array, rms: float, maxdev: float) -> Iteratio
     return IterationMeasures(k=int(k), motor_inf=inf, motor_two=two, arm_rms=rms, arm_maxdev=maxdev)
 
 
-def _deviation(own: pa.Table, turn: CircleTurn | ContourTurn) -> tuple[float, float]:
-    time, point = float_columns(own, ["time"])[:, 0], float_columns(own, TRACKER)
-    seen = np.isfinite(point).all(axis=1) & (time >= turn.start) & (time < turn.end)
-    if seen.sum() < 3:
+def _deviation(point: Array, turn: CircleTurn | ContourTurn) -> tuple[float, float]:
+    if len(point) < 3:
         return np.nan, np.nan
     if isinstance(turn, ContourTurn):
-        return _from_contour(point[seen], turn)
-    radii = norms.fit_circle(point[seen], normal=turn.normal).radii
+        return _from_contour(point, turn)
+    radii = norms.fit_circle(point, normal=turn.normal).radii
     return norms.circle_rms(radii, turn.radius), norms.circle_maxdev(radii, turn.radius)
 
 

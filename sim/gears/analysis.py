@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, check_numbers
 from armside.kinematics import Arm, compile
 
 from ..recordings.alignment.encoder_motion import RATE
@@ -57,7 +57,10 @@ class GearsCfg:
     """The arm's first resonance is near enough to the band to amplify errors, and is found too."""
 
     def __post_init__(self) -> None:
+        check_numbers(self, "band", "judged", several=True)
         for name in ("band", "judged"):
+            if len(getattr(self, name)) != 2:
+                raise ValueError(f"{name} must be two frequencies, got {getattr(self, name)}")
             low, high = getattr(self, name)
             if not 0.1 <= low < high <= 40.0:
                 said = f"{name} must be two frequencies from 0.1 to 40 Hz"

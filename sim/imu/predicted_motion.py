@@ -6,7 +6,7 @@ from enum import Enum
 import numpy as np
 
 from armside import kinematics
-from armside.arrays import Array
+from armside.arrays import Array, check_numbers
 from armside.ilc.filters import RecordFilter
 
 from ..instruments.imu import ACCELEROMETER, GYROSCOPE
@@ -120,6 +120,7 @@ class ProcessingCfg:
     """Largest clock offset in the search [s]."""
 
     def __post_init__(self) -> None:
+        check_numbers(self, "cutoff", "accelerometer_delay", "gyroscope_delay")
         if not (np.isfinite(self.cutoff) and self.cutoff > 0.0):
             raise ValueError(f"cutoff must be > 0 Hz, got {self.cutoff:g}")
         for name in ("accelerometer_delay", "gyroscope_delay"):

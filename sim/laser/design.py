@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from armside.arrays import Array
+from armside.arrays import Array, check_numbers
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.laws import Heuristic
 
@@ -24,6 +24,7 @@ class Design:
     law: Heuristic = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        check_numbers(self, "gamma", "delta", "cutoff", several=True)
         gamma = self.gamma[0] if len(self.gamma) == 1 else self.gamma
         delta = self.delta[0] if len(self.delta) == 1 else self.delta
         cutoff = self.cutoff[0] if len(self.cutoff) == 1 else self.cutoff

@@ -95,10 +95,10 @@ def iterate(
     plant = experiment.plant if plant is None else plant
     before, begun = (start, start.start) if isinstance(start, RunState) else (None, start)
     u = _as_correction(begun, loaded.reference)
-    runs = [plant.run(u) if first is None else first]
+    runs = [plant.run(u.copy()) if first is None else first]
     output = set_up(runs[0])
     reference = as_record(output.reference, "reference")
-    runs += [plant.run(u) for _ in range(repeats - 1)]
+    runs += [plant.run(u.copy()) for _ in range(repeats - 1)]
     law = _law(output.law if law is None else law, output, experiment, begun, converged)
     law.check(len(reference), u.shape[1])
     ratio = DIVERGENCE_RATIO * (1.0 if begun is None else FROM_A_MODEL)
@@ -133,12 +133,12 @@ def iterate(
         if iteration.diverged or k == last or all(held):
             return
         if before is not None and k == 0:
-            before.restore(_same_loop(size, before.loop, plant))
+            before.restore(_same_loop(size, before.loop, plant, u.shape, reference.shape))
             u, error, memory = before.loop.correction, before.loop.error, before.loop.memory
             k, last = before.loop.k, before.loop.k + iterations
         u, memory = law.step(u, error, memory)
         k += 1
-        runs = [plant.run(u) for _ in range(repeats)]
+        runs = [plant.run(u.copy()) for _ in range(repeats)]
 
 
 def measure_of(name: str) -> Measure:
@@ -221,11 +221,21 @@ def _notes(output: Output, law: Law, error: Array, memory: Any) -> tuple[Note, .
     return (*found, Note(cause=Cause.GUARD, text=back))
 
 
-def _same_loop(size: Array, loop: LoopState, plant: Any) -> list[np.random.Generator]:
+def _same_loop(
+    size: Array,
+    loop: LoopState,
+    plant: Any,
+    correction: tuple[int, ...],
+    error: tuple[int, ...],
+) -> list[np.random.Generator]:
     """Sources of noise of a plant whose first run is that of a loop, by the size of its error.
 
     Raises InputError where it does not come out as it did.
     """
+    try:
+        loop.check(correction, error)
+    except ValueError as wrong:
+        raise InputError(f"it cannot be gone on from: {wrong}") from wrong
     if not np.array_equal(size, loop.first_size):
         other = "by another version, on another machine, or from files that have changed since"
         raise InputError(

@@ -10,7 +10,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from armside.arrays import Array
+from armside.arrays import Array, check_numbers
 from armside.kinematics.robot_file import GearTerm
 
 from ..cell import Cell, ToolPose, pose
@@ -86,6 +86,7 @@ class Setup(ABC, Generic[MotionT]):
     epsilon(r), so that the gears' outputs follow r, and estimators add epsilon to motor angles."""
 
     def __post_init__(self) -> None:
+        check_numbers(self, "payload", "friction_spread", "friction_drift", "temperature")
         for effect in self.without:
             if not isinstance(effect, Effect):
                 names = ", ".join(str(each) for each in Effect)
@@ -185,6 +186,10 @@ class Cut(Setup[ToolMotion]):
     speed: float = 0.040
     """Programmed speed along the path [m/s]."""
     lead_in: LeadIn = LeadIn.ARC
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_numbers(self, "radius", "speed")
 
     @property
     def curve(self) -> ClosedCurve:

@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, check_numbers
 
 RADII: Mapping[str, float] = {"circle": 0.005, "square": 0.010, "slot": 0.015, "hexagon": 0.010}
 """[m] by shape, where none is given; of a circle as in thesis 9.2. See `contour_of`."""
@@ -54,6 +54,7 @@ class Circle:
     """[m]."""
 
     def __post_init__(self) -> None:
+        check_numbers(self, "radius")
         _require_positive("radius", self.radius)
 
     @property

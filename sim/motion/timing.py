@@ -6,7 +6,7 @@ import numpy as np
 import ruckig
 from numpy.typing import ArrayLike
 
-from armside.arrays import Array
+from armside.arrays import Array, check_numbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,6 +21,7 @@ class PathLimits:
     value gives the calibrated ramp of 120 ms to 40 mm/s, with a peak of 0.67 m/s^2."""
 
     def __post_init__(self) -> None:
+        check_numbers(self, "acceleration", "jerk")
         for name in ("acceleration", "jerk"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0.0):

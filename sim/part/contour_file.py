@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from armside.arrays import Array
+from armside.arrays import Array, shown
 from armside.kinematics.robot_file import toml_of
 
 from ..motion.contour import ArcsAndLines, Circle, ClosedCurve, chord
@@ -44,8 +44,8 @@ def rounded(points: ArrayLike, corner: float) -> ArcsAndLines:
     p = np.asarray(points, dtype=np.float64)
     if p.ndim != 2 or p.shape[1] != 2 or len(p) < 3 or not np.isfinite(p).all():
         raise ValueError(f"points must be three or more pairs of numbers, got shape {p.shape}")
-    if not corner > 0.0:
-        raise ValueError(f"corner must be > 0 m, got {corner:g}")
+    if np.ndim(corner) or not corner > 0.0:
+        raise ValueError(f"corner must be > 0 m, got {shown(corner)}")
     following = np.roll(p, -1, axis=0)
     if np.sum(p[:, 0] * following[:, 1] - following[:, 0] * p[:, 1]) < 0.0:  # clockwise
         p = p[::-1]

@@ -6,7 +6,7 @@ from enum import Enum
 
 import numpy as np
 
-from armside.arrays import Array
+from armside.arrays import Array, check_numbers
 
 from .arcs import MM, Chain, joined, place
 
@@ -45,6 +45,7 @@ class Reading:
     """Largest distance between ends that are joined [m]."""
 
     def __post_init__(self) -> None:
+        check_numbers(self, "join")
         if not (np.isfinite(self.join) and self.join > 0.0):
             raise ValueError(f"the tolerance of joining must be > 0 m, got {self.join}")
 

@@ -86,6 +86,8 @@ def read_run_motion(folder: Path) -> MotionRecording:
 def _imu(file: Path) -> Stream | None:
     import pyarrow.compute as pc
 
+    from armside.arrays import check_recorded_time
+
     from ..records.tables import float_columns, read_table
     from .tables import COLUMNS
 
@@ -94,7 +96,9 @@ def _imu(file: Path) -> Stream | None:
     table = read_table(file)
     table = table.filter(pc.field("k") == FIRST)
     values = float_columns(table, [f"imu_{name}" for name in COLUMNS["imu"]])
-    return Stream(float_columns(table, ["imu_time"])[:, 0], values)
+    time = float_columns(table, ["imu_time"])[:, 0]
+    check_recorded_time(file.name, time)
+    return Stream(time, values)
 
 
 def read_poses(data: Path, topics: BagTopics = BagTopics()) -> PoseRecording:

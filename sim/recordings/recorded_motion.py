@@ -4,11 +4,12 @@ What is wrong is dropped and counted, never guessed: later steps interpolate ove
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, check_recorded_time
 from armside.kinematics import Limits
 from armside.kinematics.calibration import Measurements
 
@@ -55,9 +56,6 @@ OUT_OF_RANGE = 1.1
 
 SHORTEST = 10.0
 """[s] Of a recording from which clocks and mountings can be found. ESTIMATE."""
-LONGEST_GAP = 1.0
-"""[s] Without samples, which a spline may bridge. ESTIMATE: robots of this size move at 0.1 to
-1 Hz; the recordings of an AUBO i5 have gaps up to 0.12 s."""
 
 
 def check_times(recording: MotionRecording) -> None:
@@ -69,26 +67,44 @@ def check_times(recording: MotionRecording) -> None:
         if (length := stream.time[-1] - stream.time[0]) < SHORTEST:
             text = f"{length:.3g} s of samples; at least {SHORTEST:g} s are needed"
             raise ValueError(f"{recording.name}: {name}: {text}")
-        longest = int(np.diff(stream.time).argmax())
-        if (gap := np.diff(stream.time)[longest]) > LONGEST_GAP:
-            text = f"no samples for {gap:.3g} s after {stream.time[longest]:.4g} s by its clock"
-            raise ValueError(f"{recording.name}: {name}: {text}; cut the recording there")
+        check_recorded_time(f"{recording.name}: {name}", stream.time)
 
 
 def check_angles(limits: Limits, recording: MotionRecording) -> None:
     """Raise ValueError for motor angles that are far out of range: degrees, or another robot."""
-    angles = np.abs(recording.encoders.values).max(axis=0)
-    bound = np.maximum(np.abs(limits.lower), np.abs(limits.upper))
-    if angles.shape != bound.shape:
-        text = f"the robot has {len(bound)} motors, the recording has {len(angles)}"
-        raise ValueError(f"{recording.name}: {text}")
-    worst = int((angles / bound).argmax())
-    if angles[worst] > OUT_OF_RANGE * bound[worst]:
-        unit = "are the angles in degrees?"
-        if angles[worst] < 2.0 * bound[worst]:
-            unit = "is it this robot?"
-        text = f"reaches {angles[worst]:.3g}, its limit is {bound[worst]:.3g} rad; {unit}"
-        raise ValueError(f"{recording.name}: motor_angle_{worst + 1} {text}")
+    check_range(recording.name, "motor_angle", recording.encoders.values, limits)
+
+
+TURNS = 4.0 * np.pi
+"""[rad] On the arm side, that no axis of an unknown robot is at. ESTIMATE: axes of six-axis robots
+turn at most 400 degrees to either side."""
+
+
+def check_range(
+    source: str, signal: str, angles: Array, limits: Limits | None, rows: Any = None
+) -> None:
+    """Refuse motor angles (N, n) [rad, arm side] far beyond their limits, or `TURNS` without any.
+
+    Args:
+        signal: name of the columns before their numbers.
+        rows: (N,) numbers of the rows from 0, of a part of a table.
+
+    Raises:
+        ValueError: names column, row and value.
+    """
+    bound = np.full(angles.shape[1], TURNS)
+    if limits is not None:
+        bound = np.maximum(np.abs(limits.lower), np.abs(limits.upper))
+    if angles.shape[1:] != bound.shape:
+        text = f"the robot has {len(bound)} motors, the recording has {angles.shape[1]}"
+        raise ValueError(f"{source}: {text}")
+    ratio = np.nan_to_num(np.abs(angles) / bound)
+    row, worst = np.unravel_index(int(ratio.argmax()), ratio.shape) if ratio.size else (0, 0)
+    if ratio.size and ratio[row, worst] > OUT_OF_RANGE:
+        unit = "is it this robot?" if ratio[row, worst] < 2.0 else "are the angles in degrees?"
+        at = 1 + int(row if rows is None else rows[row])
+        text = f"reaches {abs(angles[row, worst]):.3g}, its limit is {bound[worst]:.3g} rad; {unit}"
+        raise ValueError(f"{source}: {signal}_{worst + 1} {text} (row {at})")
 
 
 SPIKE = 8.0
@@ -135,6 +151,7 @@ def repaired(name: str, time: Array, values: Array) -> tuple[Stream, tuple[str, 
     _refuse_most(name, "are older than those before them: the clock is set back", time < reached)
     forward = np.r_[True, time[1:] > reached[:-1]]
     time, values = time[forward], values[forward]
+    check_recorded_time(name, time, np.flatnonzero(whole)[forward], gap=np.inf)
     if not 0.0 < (length := time[-1] - time[0]) <= LONGEST:
         raise ValueError(f"{name}: {length:.3g} s of samples; at most {LONGEST:g} s can be used")
     kept = _without_spikes(time, values)

@@ -24,6 +24,7 @@ from armside.arrays import Array
 from armside.kinematics.calibration import Measurements
 from armside.kinematics.rotation import from_quaternion
 
+from ..records.files import reading
 from ..records.tables import READERS, float_columns, read_table, write_table
 from .recorded_motion import MotionRecording, PoseRecording, Stream, repaired
 
@@ -44,6 +45,8 @@ def read_pose_table(file: Path) -> PoseRecording:
     if not motors or not targets:
         form = "motor_angle_1.. [rad] and target_1_x, target_1_y, target_1_z [m]"
         raise ValueError(f"{file.name} is no table of poses: it needs columns {form}")
+    if not table.num_rows:
+        raise ValueError(f"{file.name} has no rows")
     phi = _columns(file, table, motors)
     points = [
         _columns(file, table, [f"target_{i}_{a}" for a in "xyz"])
@@ -52,7 +55,8 @@ def read_pose_table(file: Path) -> PoseRecording:
     rotation = None
     if set(QUATERNION) <= set(table.column_names):
         rotation = from_quaternion(_columns(file, table, QUATERNION))
-    measurements = Measurements(phi=phi, points=np.stack(points, axis=1), rotation=rotation)
+    with reading(file):
+        measurements = Measurements(phi=phi, points=np.stack(points, axis=1), rotation=rotation)
     return PoseRecording(measurements, "table of poses")
 
 

@@ -2,6 +2,7 @@
 memory, and nothing is begun whose results could not be kept.
 """
 
+import errno
 import os
 import secrets
 import stat
@@ -92,8 +93,8 @@ def check_can_write(folder: Path) -> None:
 
 
 def check_name(path: Path) -> None:
-    """Raise InputError for a name that is too long to be written, has a null character, or
-    is no text."""
+    """Raise InputError for a name that is too long to be written, has a null character, is no
+    text, or leads round in links."""
     if "\0" in str(path):
         raise InputError(f"{str(path)!r} has a null character")
     try:
@@ -107,6 +108,11 @@ def check_name(path: Path) -> None:
     if (n := len(os.fsencode(path.absolute()))) > LONGEST_PATH - RESERVED:
         most = LONGEST_PATH - RESERVED
         raise InputError(f"a path of {n} bytes is too long, at most {most} are written")
+    try:
+        os.stat(path)
+    except OSError as error:
+        if error.errno == errno.ELOOP:
+            raise InputError(f"{path} is a loop of links") from error
 
 
 def _stat(path: Path) -> os.stat_result:

@@ -21,6 +21,7 @@ FORMAT = 1
 
 def check_destination(path: Path) -> None:
     """Raise InputError unless a run's folder can be renamed to `path`: new, or an empty folder."""
+    check_name(path)
     if not path.exists():
         if not (parent := _existing_parent(path)).is_dir():
             raise InputError(f"{parent} is not a folder")
@@ -34,6 +35,7 @@ def check_destination(path: Path) -> None:
 
 def check_writable(path: Path) -> None:
     """Raise InputError where no folder can be made at `path`, before long work is begun."""
+    check_name(path)
     parent = _existing_parent(path)
     if not (parent.is_dir() and os.access(parent, os.W_OK | os.X_OK)):
         raise InputError(f"no folder can be made in {parent}")

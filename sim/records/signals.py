@@ -19,7 +19,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import ArrayLike, NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, check_recorded_time
 
 from ..instruments.laser_tracker import TrackerSamples
 from ..instruments.noise import rate_of, stride
@@ -136,6 +136,8 @@ def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
         raise ValueError(f"{source} holds signals of format {found}; this armside reads {FORMAT}")
     if missing := missing_columns(table):
         raise ValueError(f"{source} lacks the column {missing[0]}")
+    if not table.num_rows:
+        raise ValueError(f"{source} has no rows")
     limits_hit = json.loads(metadata["armside.limits_hit"])
     path, gear = (json.loads(metadata.get(f"armside.{key}", "null")) for key in ("path", "gear"))
     ks = table["k"].unique().to_pylist()
@@ -233,19 +235,25 @@ def _run(k: int, table: pa.Table, limits_hit: Sequence[tuple[Any, Any, Any]]) ->
     signals = {name: _stack(log, name, suffixes) for name, (_, suffixes) in _log_blocks(n).items()}
     # The gear error is part of the stored angles already.
     angles = {"gear_angle": stored.pop("motor_angle"), "spring_angle": stored.pop("flex_angle")}
-    truth = Truth(time=floats(true, "time"), gear_error=EXACT, **angles, **stored)
-    time = floats(log, "time")
+    truth = Truth(time=_time(true, k, "truth"), gear_error=EXACT, **angles, **stored)
+    time = _time(log, k, "log")
     hits = tuple((str(a), int(b), float(c)) for a, b, c in limits_hit)
     recording = Recording(time=time, truth=truth, limits_hit=hits, **signals)
-    return RecordedRun(k=k, recording=recording, tracker=_tracker(table))
+    return RecordedRun(k=k, recording=recording, tracker=_tracker(table, k))
 
 
-def _tracker(table: pa.Table) -> TrackerSamples | None:
+def _tracker(table: pa.Table, k: int) -> TrackerSamples | None:
     samples = table.filter(pc.field("tracker_valid").is_valid())
     if samples.num_rows == 0:
         return None
     position, valid = _stack(samples, "tracker", XYZ), samples["tracker_valid"].to_numpy()
-    return TrackerSamples(time=floats(samples, "time"), position=position, valid=valid)
+    return TrackerSamples(time=_time(samples, k, "tracker"), position=position, valid=valid)
+
+
+def _time(table: pa.Table, k: int, stream: str) -> Array:
+    time = floats(table, "time")
+    check_recorded_time(f"k = {k}: {stream}", time)
+    return time
 
 
 def _stack(table: pa.Table, prefix: str, suffixes: Sequence[str]) -> Array:

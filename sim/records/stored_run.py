@@ -82,6 +82,9 @@ def read_run(folder: str | PathLike[str]) -> StoredRun:
     config = summary.get("config") if isinstance(summary, dict) else None
     if not (isinstance(config, dict) and isinstance(config.get("experiment"), str)):
         raise InputError(f"{file} is no summary of a run: it names no experiment")
+    seed = config.get("seed", 0)
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        raise InputError(f"{file}: seed must be a whole number >= 0, got {seed!r}")
     found = summary.get("format", 0)
     if found != FORMAT:
         formats = f"in format {found}, this one reads {FORMAT}; run it again"

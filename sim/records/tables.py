@@ -7,6 +7,7 @@ no missing values they are NaN. Values keep every bit.
 import csv
 import io
 import json
+import re
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from math import prod
@@ -30,6 +31,7 @@ SEPARATORS = ("\t", ";", ",")
 """Of a text's columns. The first one that its line of names has is taken."""
 INTEGER, TRUTH_VALUE = "k", "tracker_valid"
 """Columns that are no floats."""
+_NUMBER = re.compile(r"None|'[-+0-9.eE]+'")
 TYPES = {INTEGER: pa.int32(), TRUTH_VALUE: pa.bool_()}
 TRACKER = ("tracker_x", "tracker_y", "tracker_z")
 STREAMS = ("tracker", "true")
@@ -139,7 +141,15 @@ def _read_csv(file: Path) -> pa.Table:
 
 def floats(table: pa.Table, name: str) -> Array:
     """(n,), a column of numbers, NaN for missing values. Raises ValueError for other columns."""
-    return np.array(table[name].cast(pa.float64()).to_numpy(zero_copy_only=False))
+    column = table[name]
+    kind = column.type
+    numbers = pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_null(kind)
+    if not (numbers or (pa.types.is_boolean(kind) and name == TRUTH_VALUE)):
+        cells = [repr(cell) for cell in column.to_pylist()]
+        row = next((i for i, cell in enumerate(cells) if not _NUMBER.fullmatch(cell)), 0)
+        given = cells[row][:40] if cells else "nothing"
+        raise ValueError(f"column {name}, row {row + 1}: numbers are needed, got {given} ({kind})")
+    return np.array(column.cast(pa.float64()).to_numpy(zero_copy_only=False))
 
 
 def _as_floats(table: pa.Table) -> dict[str, Array]:

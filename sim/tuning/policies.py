@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from armside.arrays import Array
+from armside.arrays import Array, npz
 
 from ..laser.design import Design
 from ..motion.tool_motion import motion_notes
@@ -47,7 +47,7 @@ class Network:
     @classmethod
     def load(cls, file: Path) -> "Network":
         """Read a file that `save` has written. Raises ValueError for another kind of file."""
-        with np.load(file) as arrays:
+        with npz(file) as arrays:
             n = len(arrays.files) // 2
             if sorted(arrays.files) != sorted(f"{s}{i}" for s in "Wb" for i in range(n)):
                 raise ValueError(f"{file} is not a policy: it holds {', '.join(arrays.files)}")

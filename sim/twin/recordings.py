@@ -17,7 +17,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from armside.arrays import Array
+from armside.arrays import Array, check_recorded_time
 from armside.ilc.filters import ZeroPhaseButterworth
 
 from ..estimation.relative_path import REST_SAMPLES, relative_to_start
@@ -28,7 +28,7 @@ from ..laser.experiment import Pass
 from ..notes import Note
 from ..records.files import InputError
 from ..records.signals import missing_columns, signals_of
-from ..records.tables import read_table
+from ..records.tables import floats, read_table
 from ..robot.mjcf import AXES
 from ..robot.recording import Recording
 from ..robot.virtual_robot import LOG_PERIOD
@@ -163,7 +163,7 @@ def _cut(table: pa.Table, name: str, measure: SensorName) -> MeasuredCut:
     if missing := [column for column in needed if column not in table.column_names]:
         raise ValueError(f"it lacks the column {missing[0]}")
     log = _rows(table, "reference_1")
-    time = _numbers(log, "time")
+    time = _time(log, "log")
     if len(time) < 2 or np.abs(np.diff(time) - LOG_PERIOD).max() > _CLOCK:
         raise ValueError(f"its log is not at {1 / LOG_PERIOD:g} Hz")
     signals = {signal: _stack(log, signal) for signal in _LOG}
@@ -186,7 +186,7 @@ def _cut(table: pa.Table, name: str, measure: SensorName) -> MeasuredCut:
 def _tracked(table: pa.Table, time: Array, name: str) -> tuple[Array, Array]:
     seen = _rows(table, "tracker_x")
     position = _columns(seen, _TRACKER)
-    own = _numbers(seen, "time")
+    own = _time(seen, "tracker")
     if len(own) < 2:
         raise ValueError("it has no samples of a laser tracker")
     valid = np.asarray(np.isfinite(position).all(axis=1))
@@ -199,7 +199,7 @@ def _imu(table: pa.Table, start: float) -> ImuSamples:
     seen, cfg = _rows(table, _ACCELERATION[0]), ImuCfg()
     acceleration, rate = _columns(seen, _ACCELERATION), _columns(seen, _RATE)
     return ImuSamples(
-        time=_numbers(seen, "time") - start,
+        time=_time(seen, "IMU") - start,
         acceleration=acceleration,
         angular_velocity=rate,
         acceleration_clipped=np.abs(acceleration) >= cfg.accelerometer.range,
@@ -211,8 +211,14 @@ def _rows(table: pa.Table, column: str) -> pa.Table:
     return table.filter(table[column].is_valid())
 
 
+def _time(table: pa.Table, stream: str) -> Array:
+    time = _numbers(table, "time")
+    check_recorded_time(stream, time)
+    return time
+
+
 def _numbers(table: pa.Table, name: str) -> Array:
-    return np.array(table[name].to_numpy(), dtype=np.float64)
+    return floats(table, name)
 
 
 def _columns(table: pa.Table, names: Sequence[str]) -> Array:

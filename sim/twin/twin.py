@@ -10,7 +10,7 @@ from typing import Any, get_args
 
 import numpy as np
 
-from armside.arrays import Array
+from armside.arrays import Array, real_array
 
 from ..cell import CELLS
 from ..laser.experiment import Experiment, prepare
@@ -36,6 +36,8 @@ _HEAVIEST = 1e4
 """[kg], of a tool: what the command line takes."""
 _ROUNDING = 1e-9
 """Of a parameter, and of a covariance relative to the prior one."""
+_CERTAIN = 1e-9
+"""Of the prior variance, that cuts leave at least of a parameter. ESTIMATE: two cuts leave 2e-5."""
 FILES = _FILE, _COVARIANCE = "twin.json", "covariance.npy"
 """That a twin is read from."""
 _TWINS, _CORRECTIONS = 8, 256
@@ -182,10 +184,10 @@ class Twin:
                 payload=None if content["payload"] is None else float(content["payload"]),
                 sensor=content["sensor"],
                 names=tuple(content["cuts"]),
-                held_out=np.array(content["held_out"], dtype=np.float64),
-                torque_residual=np.array(content["torque_residual"], dtype=np.float64),
-                friction=np.array(content["friction"], dtype=np.float64),
-                theta=np.array(list(content["parameters"].values()), dtype=np.float64),
+                held_out=_numbers("held_out", content["held_out"]),
+                torque_residual=_numbers("torque_residual", content["torque_residual"]),
+                friction=_numbers("friction", content["friction"]),
+                theta=_numbers("parameters", list(content["parameters"].values())),
                 covariance=_matrix(folder / _COVARIANCE),
             )
         except Exception as error:  # damaged files raise many kinds
@@ -217,6 +219,10 @@ class Twin:
             return "it holds values that are not finite"
         if any(values.shape != (N_AXES,) or values.min() < 0.0 for values in drives):
             return f"friction and torque_residual must be {N_AXES} positive values"
+        left = self.held_out[~np.isnan(self.held_out)]
+        if self.held_out.shape != (len(self.names),) or not ((left > 0.0) & (left < np.inf)).all():
+            given = self.held_out.tolist()
+            return f"held_out must be {len(self.names)} residuals > 0 m or null, got {given}"
         known = self.parameters
         farthest = _FARTHEST * known.standard_deviation
         low = np.maximum(known.lower, known.mean - farthest)
@@ -226,13 +232,20 @@ class Twin:
         prior = np.outer(known.standard_deviation, known.standard_deviation)
         scaled = self.covariance / prior
         symmetric = np.allclose(scaled, scaled.T, atol=_ROUNDING)
-        if not symmetric or np.linalg.eigvalsh(scaled).min() < 0.0:
+        if not symmetric or (least := np.linalg.eigvalsh(scaled).min()) < 0.0:
             return "its covariance is not symmetric and positive"
+        if least < _CERTAIN:
+            return f"its covariance must be at least {_CERTAIN:g} of the prior one, got {least:.3g}"
         return None
 
 
 def _matrix(file: Path) -> Array:
-    return np.load(check_file(file), allow_pickle=False).astype(np.float64, casting="safe")
+    return real_array("covariance", np.load(check_file(file), allow_pickle=False))
+
+
+def _numbers(name: str, values: list[float | None]) -> Array:
+    """(m,), NaN for null."""
+    return real_array(name, [np.nan if value is None else value for value in values])
 
 
 def _content(folder: Path) -> dict[str, Any]:

@@ -6,12 +6,14 @@ starts in.
 
 import contextlib
 import faulthandler
+import itertools
 import multiprocessing
 import os
 import resource
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable
 from multiprocessing.connection import wait
 from multiprocessing.context import ForkServerContext, ForkServerProcess
@@ -40,6 +42,30 @@ def killed() -> None:
 def terminated() -> None:
     """The process is asked to end in that moment."""
     _before_naming(lambda _: os.kill(os.getpid(), signal.SIGTERM))
+
+
+def hung_up() -> None:
+    """Its terminal is closed in that moment."""
+    _before_naming(lambda _: os.kill(os.getpid(), signal.SIGHUP))
+
+
+def overtaken() -> None:
+    """Another run publishes its folder under the same name in that moment."""
+
+    def publish(left: Path) -> None:
+        found = STAGED.fullmatch(left.name)
+        if left.is_dir() and found:
+            left.with_name(found["name"]).mkdir(exist_ok=True)
+            (left.with_name(found["name"]) / "theirs").touch()
+
+    _before_naming(publish)
+
+
+def clock_set_back() -> None:
+    """The clock of the day goes back an hour whenever it is read."""
+    now = itertools.count(time.time(), -3600.0)
+    time.time = lambda: next(now)
+    time.time_ns = lambda: int(1e9 * next(now))
 
 
 def removed() -> None:

@@ -95,7 +95,9 @@ def test_a_killed_command_leaves_nothing_finished_and_can_be_repeated(isolated, 
 
 
 @pytest.mark.parametrize("name", ["laser", "csv", "replay", "reproduce"])
-@pytest.mark.parametrize(("fault", "status"), [(faults.terminated, 143), (faults.removed, 1)])
+@pytest.mark.parametrize(
+    ("fault", "status"), [(faults.terminated, 143), (faults.hung_up, 129), (faults.removed, 1)]
+)
 def test_a_signal_or_a_removed_folder_at_the_last_moment_is_one_line(isolated, name, fault, status):
     folder, done = isolated(name, f"{fault.__name__}-{name}", fault)
     assert (done.status, done.err.count("\n"), done.err[:9]) == (status, 1, "armside: ")
@@ -108,3 +110,18 @@ def test_without_stdout_home_and_cache_the_results_are_there(isolated, name):
         folder, done = isolated(name, f"{fault.__name__}-{name}", fault)
         assert (done.status, done.err) == (0, "")
         assert (folder / "a" / "summary.json").is_file()
+
+
+@pytest.mark.parametrize("name", ["laser", "robot-model", "calibrate-arm", "measure"])
+def test_of_two_runs_into_one_folder_the_first_is_kept_whole(isolated, name):
+    folder, done = isolated(name, f"overtaken-{name}", faults.overtaken)
+    assert (done.status, done.err.count("\n"), done.err[:9]) == (1, 1, "armside: ")
+    assert [path.name for path in folder.rglob("*") if path.is_file()] == ["theirs"]
+
+
+@pytest.mark.parametrize("name", ["laser", "csv", "tune", "sweep"])
+def test_a_clock_that_goes_back_changes_nothing(isolated, name):
+    folder, done = isolated(name, f"clock-{name}", faults.clock_set_back)
+    assert (done.status, done.err) == (0, "")
+    assert finished(folder, name) or name in GO_ON
+    assert not [path for path in folder.rglob("*") if STAGED.fullmatch(path.name)]

@@ -279,7 +279,7 @@ WHOLE = ScheduledInverse(laws=(inverse_at(1.0),), weights=np.ones((SAMPLES, 1)))
 @pytest.mark.parametrize(
     ("build", "said"),
     [
-        (lambda: derivatives(LEARNED, T_S, 0), "order must be >= 1"),
+        (lambda: derivatives(LEARNED, T_S, 0), "order must be 1 to 10, got 0"),
         (lambda: stops(LEARNED, [0.0]), "widths must be > 0"),
         (lambda: fitted([], [], 1.0), "no pairs"),
         (lambda: fitted([np.ones((4, 1, 1))], [np.ones((4, 1))], 0.0), "ridge must be > 0"),

@@ -21,7 +21,7 @@ NOT_RECORDS = {
     "omega", "frequency", "deltas", "cutoffs", "T_u", "L", "Q", "response",
     # matrices, covariances and coefficients
     "A", "B", "C", "R", "D", "B0", "B1", "G", "GWG", "W", "Z", "P", "num", "den", "a", "b",
-    "matrix", "gamma", "covariance", "poles", "taps",
+    "matrix", "gamma", "covariance", "poles", "taps", "coefficients",
     "start", "start_covariance", "prior", "prior_sd", "pattern", "normal",
     # sizes of errors over iterations, other values of any shape
     "size", "first", "norms", "measure", "without_learning", "iterations", "radii", "r_ref",
@@ -156,9 +156,9 @@ def test_records_of_one_law_must_have_one_shape():
         law(*[np.ones((5, 1)), np.ones((5, 1)), np.ones(3)])
 
 
-@pytest.mark.parametrize("dtype", [np.int8, np.int64, np.float32, np.bool_])
+@pytest.mark.parametrize("dtype", [np.int8, np.int64, np.float32])
 def test_filters_and_shifts_compute_in_double_precision(dtype):
-    record = np.random.default_rng(0).integers(0, 2 if dtype is np.bool_ else 50, (80, 6))
+    record = np.random.default_rng(0).integers(0, 50, (80, 6))
     cutoff = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0)
     functions = [
         ZeroPhaseButterworth(cutoff, 0.004),

@@ -28,7 +28,7 @@ from armside.ilc.models.system_matrix import SystemMatrix
 
 N, T_S = 30, 0.01
 SERVO = System([0.0, 0.3, 0.2, 0.1], [1.0], T_S)
-MEASURED = ImpulseResponse(np.array([0.0, 0.3, 0.2, 0.1]))
+MEASURED = ImpulseResponse(np.array([0.0, 0.3, 0.2, 0.1]), T_S)
 SLOW = System([0.0, 0.3], [1.0, -0.7], T_S)
 LOW = ZeroPhaseButterworth(10.0, T_S)
 

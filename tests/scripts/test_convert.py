@@ -183,6 +183,75 @@ def test_bad_input_is_one_clear_line(words, said, tmp_path, monkeypatch, bad_inp
     bad_input(words, said)
 
 
+def column(name, change):
+    def spoil(table):
+        values = pa.array(change(table[name].to_numpy()))
+        return table.set_column(table.column_names.index(name), name, values)
+
+    return spoil
+
+
+def at(row, value):
+    return lambda t: [value if i == row else x for i, x in enumerate(t.tolist())]
+
+
+def words(time):
+    return ["soon" if i == 4 else repr(float(t)) for i, t in enumerate(time)]
+
+
+def degrees(table):
+    for name in ("reference_1", "reference_2", "motor_angle_1", "motor_angle_2"):
+        table = column(name, np.degrees)(table)
+    return table
+
+
+SPOILT = {
+    "null": (column("time", at(4, None)), "column time, row 5: must be a time [s], got nan"),
+    "text": (column("time", words), "column time, row 5: numbers are needed, got 'soon'"),
+    "reversed": (column("time", np.flip), "row 2: time must increase, got 1.992 s after 1.996 s"),
+    "constant": (column("time", np.zeros_like), "row 2: time must increase, got 0 s after 0 s"),
+    "milliseconds": (column("time", lambda t: 1e3 * t), "are they in milliseconds?"),
+    "a hole": (
+        column("time", lambda t: t + 5.0 * (t > 1)),
+        "row 251: no samples for 5 s after 1 s",
+    ),
+    "degrees": (
+        degrees,
+        "reference_2 reaches 57.3, its limit is 12.6 rad; are the angles in degrees",
+    ),
+}
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+@pytest.mark.parametrize("name", SPOILT)
+def test_data_with_wrong_times_or_units_are_not_measured(name, suffix, tmp_path, bad_input):
+    spoil, said = SPOILT[name]
+    file = tmp_path / f"mine{suffix}"
+    write_table(file, spoil(own_data()))
+    bad_input(f"measure {file} --gear 100 50 --radius 5", said)
+
+
+STORED = {name: SPOILT[name][0] for name in ("reversed", "constant", "milliseconds")} | {
+    "a hole": column("time", lambda t: t + 5.0 * (t > 1)),
+    "degrees": column("motor_angle_2", np.degrees),
+    "text": column("time", words),
+}
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+@pytest.mark.parametrize("name", STORED)
+def test_signals_with_wrong_times_or_units_are_not_measured(run, name, suffix, tmp_path, bad_input):
+    file = tmp_path / f"spoilt{suffix}"
+    write_table(file, STORED[name](read_table(run / "signals.parquet")))
+    said = "motor_angle_2 reaches" if name == "degrees" else "column time, row"
+    assert file.name in bad_input(f"measure {file}", said)
+
+
+def test_angles_of_motor_shafts_may_turn_without_bound(tmp_path, capsys):
+    write_table(tmp_path / "mine.csv", degrees(own_data()))
+    measured(tmp_path / "mine.csv", capsys, "--gear", "1", "1")
+
+
 def test_a_missing_package_is_named_with_its_extra(run, tmp_path, monkeypatch, capsys):
     import sys
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
-from armside.arrays import Array
+from armside.arrays import Array, check_recorded_time
 from armside.kinematics.calibration import Measurements
 from armside.kinematics.rotation import from_quaternion
 
@@ -205,9 +205,7 @@ def poses_of_bag(path: Path, topics: BagTopics) -> PoseRecording:
 def _check_clock(topic: str, motors: Stamped) -> None:
     if not np.isfinite(motors.values).all():
         raise InputError(f"{topic}: a position is not finite")
-    if (back := np.diff(motors.stamp) < 0).any():
-        row = int(np.argmax(back)) + 2
-        raise InputError(f"{topic}: the clock runs backwards, first in message {row}")
+    check_recorded_time(topic, motors.time(int(motors.stamp[0])), gap=np.inf, repeats=True)
 
 
 def _stands(time: Array, phi: Array) -> NDArray[np.intp]:

@@ -14,7 +14,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from armside.arrays import Array
+from armside.arrays import Array, check_recorded_time
 from armside.kinematics.robot_file import toml_of
 
 from ...records.files import LARGEST_DATA, InputError, check_file, reading
@@ -232,9 +232,8 @@ def _check(file: Path, time: Array, angles: Array, whole: NDArray[np.bool_]) -> 
     if (largest := float(np.abs(angles[whole]).max())) > LARGEST:
         text = f"angles reach {largest:.3g} rad, at most {LARGEST:g} can be right"
         raise InputError(f"{file.name}: {text}: are the units as stated?")
-    if (back := np.diff(time[whole]) < 0.0).any():
-        row = int(np.flatnonzero(whole)[int(np.argmax(back)) + 1]) + 1
-        raise InputError(f"{file.name}: the clock runs backwards, first in row {row}")
+    with reading(file):
+        check_recorded_time(file.name, time[whole], np.flatnonzero(whole), gap=np.inf, repeats=True)
 
 
 def _table(time: Array, angles: Array, n: int) -> pa.Table:

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.spatial import KDTree
 
-from armside.arrays import Array
+from armside.arrays import Array, check_recorded_time
 from armside.kinematics import CompiledRobot
 
 from ...records.files import LARGEST_DATA, check_file
@@ -96,12 +96,11 @@ def _log(file: Path) -> MotorLog:
     if table.shape[1] != 8:
         raise ValueError(f"{file.name} must have 8 columns, got {table.shape[1]}")
     under_way = table[:, 1] > table[table[:, 1] >= 0.0, 1].min(initial=np.inf)
-    table = table[under_way & np.isfinite(table).all(axis=1)]
+    rows = np.flatnonzero(under_way & np.isfinite(table).all(axis=1))
+    table = table[rows]
     if len(table) < FEWEST:
         raise ValueError(f"{file.name}: {len(table)} samples under way, at least {FEWEST} needed")
-    if (back := np.diff(table[:, 0]) <= 0.0).any():
-        stamp = table[int(np.argmax(back)) + 1, 0]
-        raise ValueError(f"{file.name}: the clock stands still or runs backwards at {stamp:g} s")
+    check_recorded_time(file.name, table[:, 0], rows)
     speed = MM * float(match.group(1))
     if not SLOWEST <= speed <= FASTEST:
         text = f"from {SLOWEST / MM:g} to {FASTEST / MM:g} mm/s"

@@ -74,7 +74,7 @@ def test_what_is_no_recording_of_poses_is_named(ros, bag, tmp_path):
             read_poses(source)
     logged = [(k, message) for k, (_, message) in enumerate(list(encoders(ros))[::-1])]
     back = ros.write(tmp_path / "3", {"/j": logged, "/b": b})
-    with pytest.raises(ValueError, match="clock runs backwards, first in message 2"):
+    with pytest.raises(ValueError, match=r"row 2: .*clock runs backwards"):
         read_poses(back)
     with pytest.raises(ValueError, match="is no bag: topics"):
         read_poses(tmp_path, BagTopics(joints=("a1",)))

@@ -144,7 +144,7 @@ def test_a_wrong_file_of_columns_is_named(tmp_path, change, said):
     ("change", "said"),
     [
         (lambda rows: [[t, 1e9, b] for t, _, b in rows], "are the units as stated"),
-        (lambda rows: rows[::-1], "clock runs backwards, first in row 2"),
+        (lambda rows: rows[::-1], "column time, row 2: time must increase"),
         (lambda rows: [[t, float("nan"), b] for t, _, b in rows], "20 of 20 rows lack a number"),
         (lambda rows: rows[:1], "at least 2 rows"),
         (lambda rows: [[t, "far", b] for t, _, b in rows], "column J1"),

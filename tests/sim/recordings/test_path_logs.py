@@ -146,7 +146,9 @@ def test_files_as_published_are_read_with_their_units(tmp_path):
     file = tmp_path / "run_0_v250_z10.csv"
     table[200, 0] = table[100, 0]
     np.savetxt(file, table, "%.9g", ", ", header=header, comments="")
-    with pytest.raises(ValueError, match="the clock stands still or runs backwards"):
+    with pytest.raises(
+        ValueError, match=r"column time, row .*the clock (stands still|runs backwards)"
+    ):
         read_path_logs(tmp_path)
     np.savetxt(file, table[:, :5], "%.9g", ", ", header=header, comments="")
     with pytest.raises(ValueError, match="must have 8 columns, got 5"):

@@ -105,6 +105,13 @@ def test_a_saved_twin_is_the_same_twin(twin, tmp_path, corrected):
         (lambda c: c | {"cuts": 3}, "damaged twin"),
         (lambda c: c | {"sensor": "camera"}, "its sensor is 'camera', not one of tracker, imu"),
         (lambda c: c | {"sensor": ["imu"]}, "its sensor is"),
+        (lambda c: c | {"held_out": [0.0] * len(c["cuts"])}, "held_out must be .* residuals > 0 m"),
+        (lambda c: c | {"held_out": [-1e-6] * len(c["cuts"])}, "held_out must be .* got .-1e-06"),
+        (lambda c: c | {"held_out": [1e-5]}, "held_out must be 2 residuals"),
+        (
+            lambda c: c | {"held_out": [1e-5, True]},
+            "held_out must be real numbers, got .*bool|truth value",
+        ),
         (lambda c: {"format": FORMAT}, "damaged twin"),
         (lambda c: [], "is a twin of format None"),
     ],
@@ -122,6 +129,9 @@ def test_a_twin_that_does_not_fit_is_refused(twin, tmp_path, change, said):
     [
         lambda c: c[:-1],
         lambda c: -c,
+        np.zeros_like,
+        lambda c: 1e-12 * c,
+        lambda c: c > 0.0,
         lambda c: c + np.triu(c, 1) + 1e-3 * np.eye(len(c), k=1),
         lambda c: np.full_like(c, np.nan),
         lambda c: np.array([{"a": 1}], dtype=object),
