@@ -21,7 +21,7 @@ from armside.sim.tuning.picture import LARGEST_SHOWN, MAGNIFICATIONS, magnificat
 from armside.sim.tuning.policies import always, run_episode
 from armside.sim.tuning.rules import WORST_REWARD, EnvCfg, Rules
 
-ID = "armside/IlcTuning-v0"
+ID, V1 = "armside/IlcTuning-v0", "armside/IlcTuning-v1"
 ACTION = action_of(THESIS, Motors.SHARED)
 BOLD = np.array([1.0, -1.0, 1.0], np.float32)
 """Large gain, no shift, high cutoff."""
@@ -35,9 +35,10 @@ def test_importing_sim_registers_the_env_and_imports_no_physics():
     assert tuning.__doc__
 
 
-def test_the_env_checker_of_gymnasium_has_nothing_to_say():
+@pytest.mark.parametrize("name", [ID, V1])
+def test_the_env_checker_of_gymnasium_has_nothing_to_say(name):
     # Warnings are errors in this suite.
-    check_env(gymnasium.make(ID, render_mode="rgb_array").unwrapped)
+    check_env(gymnasium.make(name, render_mode="rgb_array").unwrapped)
 
 
 @pytest.fixture
