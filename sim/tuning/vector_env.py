@@ -26,7 +26,7 @@ Result = TypeVar("Result")
 
 
 class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
-    """`num_envs` copies of `armside/IlcTuning-v0` or `-v1`; row i is bitwise what the single env returns.
+    """`num_envs` copies of the env; row i is bitwise what the single env returns.
 
     `gymnasium.make_vec(..., vectorization_mode="vector_entry_point")` makes it. Episodes that are
     over start again by themselves, at the next step as Gymnasium does by default, or as
