@@ -74,6 +74,7 @@ def _load(name: str, path: Path, source: Callable[[], str]) -> ModuleType:
             return _in_memory(name, source())
         text = _read(path)
         if text is None:
+            _LOG.info("compiling %s: once for a robot, up to half a minute", name)
             text = source()
             _write(path, text)
         return _execute_or_repair(name, path, text)

@@ -6,6 +6,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from .first_use import show_compilation
 from .picture import Picture
 from .rules import Rules, Step
 from .situation import Situation
@@ -28,8 +29,8 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     m B-splines or sines over the record, which are zero at both ends, and five times the RMS of the
     axis's error before learning (`armside.sim.tuning.action`).
 
-    Observation: (8 n + 2,) float32, signals of a robot cell with n axes after a run, without the
-    tool's position. With six axes:
+    Observation: (8 n + 2,) float32, in version 1 (8 n + 5,), signals of a robot cell with n axes
+    after a run, without the tool's position. With six axes:
 
     | entries | feature | unit | low | high | scale |
     |---|---|---|---|---|---|
@@ -75,6 +76,7 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
 
         Raises ValueError for a value that does not exist; the message lists those that do.
         """
+        show_compilation()
         self.rules = Rules(**options)
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"Unknown render_mode {render_mode!r}. It can be: rgb_array")

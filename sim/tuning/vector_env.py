@@ -19,6 +19,7 @@ from ..motion.tool_motion import motion_notes
 from ..notes import Note, Tally
 from ..robot.run import cores
 from .episode_task import whole
+from .first_use import show_compilation
 from .rules import Decision, Rules, Step
 from .situation import Situation
 
@@ -58,6 +59,7 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self.threads = cores() if threads is None else whole("threads", threads, 1)
         if render_mode is not None:
             raise ValueError(f"the vector env draws nothing, got render_mode {render_mode!r}")
+        show_compilation()
         self.rules = Rules(**options)
         self.render_mode = None
         self.autoreset_mode = _autoreset_mode(autoreset_mode)

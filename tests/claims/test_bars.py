@@ -23,6 +23,7 @@ from .long_way import TASKS
 
 FULL_INSTANCES = {
     "kinematics": 10, "laser": 20, "ablations": 3, "env": 1000, "tuning": 100, "tuning-tasks": 100,
+    "tuning-growth": 5,
     "tuning-iterations": 100, "sweep": 10, "sweep-memory": 10_000, "chapter9": 5, "imu": 20,
     "estimation": 10, "estimation-controls": 10, "estimation-gears": 10, "imu-causes": 5,
     "imu-large": 10, "imu-rest": 10, "laser-irb1400": 20, "laser-irb1400-design": 20,
@@ -441,6 +442,15 @@ def test_a_searched_design_is_made_for_its_budget():
 
     assert found(0.501) == []
     fails_by_itself(found(0.499), "after ten iterations it leaves more")
+
+
+def test_the_design_that_grew_fails_the_claim_that_replaced_it_and_the_thesis_does_not():
+    from ._episodes import THESIS
+    from .tuning import GREW, grown
+
+    assert failed("tuning-growth", [grown("thesis", THESIS, Tally())]) == []
+    bad = failed("tuning-growth", [grown("before", GREW, Tally())])
+    assert len(bad) == 2
 
 
 @pytest.mark.parametrize(

@@ -3,18 +3,22 @@
 import json
 import os
 import sys
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import optuna
 import pytest
 
 from armside.scripts.commands import tune
 from armside.scripts.studies.options import TuneCfg
 from armside.scripts.studies.search import evaluate, run_trial
+from armside.scripts.studies.tune_report import results
 from armside.sim.laser.design import THESIS, Design
 from armside.sim.tuning import objective as tuning_objective
 from armside.sim.tuning.objective import WORST, Ratio
+from armside.sim.tuning.rules import Rules
 
 from .quick_tuning import QUICK, objective_at_p1, opened
 
@@ -76,6 +80,57 @@ def test_motors_are_not_taken_for_the_tool(armside, tmp_path):
     assert best["ratio"] < 0.8 * best["ratio_true"]
     assert "by the motors" in out
     assert f"true {best['ratio_true']:.3f}" in out
+
+
+def test_a_design_that_grows_is_refused_without_a_run_and_never_the_best(tmp_path):
+    """The tool is best after five updates under it, and the motors diverge."""
+    study = opened(tmp_path)
+    study.enqueue_trial({"gamma": 0.298, "delta": 19, "cutoff": 13.0})
+    with objective_at_p1(payload=40.0, episodes=1) as objective:
+        run_trial(study, partial(evaluate, objective))
+        assert objective.runs == 0
+    assert study.trials[0].user_attrs["criterion"] == pytest.approx(1.119, abs=1e-3)
+    found = results(study)
+    assert (found["best"], found["trials"]["refused"], found["trials"]["complete"]) == (None, 1, 0)
+
+
+def test_a_design_counts_by_the_worse_of_its_budget_and_of_later(monkeypatch):
+    with objective_at_p1(payload=40.0, episodes=1, iterations=1) as objective:
+        at_budget = objective.ratio(THESIS)
+        monkeypatch.setattr(Rules, "held", lambda rules, now, _: later(now, 2.0))
+        doubled = objective.ratio(THESIS)
+        monkeypatch.setattr(Rules, "held", lambda rules, now, _: later(now, 0.5))
+        halved = objective.ratio(THESIS)
+    assert doubled.measured == pytest.approx(2.0 * halved.measured)
+    assert halved.measured <= at_budget.measured
+
+
+def later(now, factor):
+    return replace(now, measured=replace(now.measured, rms=factor * now.measured.rms))
+
+
+def test_the_gain_over_random_search_stands_at_equal_runs_with_its_interval(
+    armside, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(tune, "OTHERS", 2)
+    line = QUICK.replace("--alone", "--nominal 2")
+    status, out, _ = armside(f"tune {line} --trials 2 --pruner none --out a")
+    assert status == 0
+    summary = json.loads((tmp_path / "a" / "summary.json").read_text())
+    gain, first = summary["gain"], summary["bests"][0]
+    assert gain["low"] <= gain["ratio"] <= gain["high"]
+    assert (gain["runs"], gain["episodes"]) == (4, 2)  # two designs, one update and one run held
+    assert first["delta"] != THESIS.delta[0]  # those of the nominal robot come first
+    assert "RMS over that of random search at 4 runs" in " ".join(out.split())
+
+
+def test_the_interval_of_a_gain_is_that_of_paired_differences():
+    one, other = (Ratio(1.0, 1.0, (), logs) for logs in ((0.0, -0.2), (0.1, 0.3)))
+    found = tuning_objective.gain(one, other)
+    assert found.ratio == pytest.approx(np.exp(-0.3))
+    # Student's t of one degree of freedom, and the standard error of 0.1 and 0.5.
+    assert np.log(found.high) == pytest.approx(-0.3 + 12.706 * 0.2, rel=1e-4)
+    assert tuning_objective.gain(one, Ratio(WORST, WORST)).high == 0.0
 
 
 def test_hopeless_designs_are_pruned_between_iterations():
