@@ -118,9 +118,9 @@ class Rules(EnvCfg):
         count = whole("functions", self.functions, 2, LARGEST_COUNT)
         basis = CorrectionBasis(self.basis, count)
         object.__setattr__(self, "version", whole("version", self.version, 0, len(RANGES) - 1))
-        one_circle = self.radius is None and self.shape == "circle"
-        radius = RANGES[self.version].radius if one_circle else self.radius
-        shapes = shapes_of(self.shape, radius)
+        shapes = shapes_of(self.shape, self.radius)
+        if self.radius is None and shapes.names == ("circle",):
+            shapes = Shapes(shapes.names, RANGES[self.version].radius)
         own = basis if self.action == "correction" else None
         layout = Layout(self.cell.robot.n_joints, shapes, own, payload=self.version > 0)
         object.__setattr__(self, "layout", layout)

@@ -37,7 +37,7 @@ def test_training_writes_a_policy_that_runs_without_torch(tmp_path):
     assert summary["config"]["steps"] == 41
     assert summary["steps"] == curve[-1]["steps"] == 60
     assert np.isfinite([row["mean_return"] for row in curve]).all()
-    episode = run_episode(Rules(iterations=1), 0, network)
+    episode = run_episode(Rules(iterations=1, version=1), 0, network)
     assert np.isfinite(episode.rms_true).all()
 
 
