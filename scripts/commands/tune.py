@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     import optuna
 
 
+Check = Callable[[], None]
 OF_A_RUN = Effort(0.1, 5e6)
 OTHERS = 12
 """Jobs that two designs are compared on, with the seeds after those of the search."""
@@ -103,9 +104,7 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
     report.summary(outcome)
 
 
-def _from_nominal(
-    cfg: TuneCfg, seed: int, report: Report, check: Callable[[], None]
-) -> list[Design]:
+def _from_nominal(cfg: TuneCfg, seed: int, report: Report, check: Check) -> list[Design]:
     """Designs that are best on the nominal robot, at the jobs of the search."""
     if not cfg.nominal:
         return []

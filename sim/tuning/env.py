@@ -6,9 +6,8 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from .first_use import show_compilation
 from .picture import Picture
-from .rules import Rules, Step
+from .rules import Rules, Step, show_compilation
 from .situation import Situation
 
 

@@ -17,8 +17,8 @@ and nothing of the individual.
 
 import operator
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -141,17 +141,18 @@ PAYLOADS: Mapping[str, tuple[float, float]] = {"large": (20.0, 80.0)}
 """[kg], by robot; a robot that is not here keeps the tool of its model."""
 
 
-@dataclass(frozen=True)
-class Ranges:
-    """What speeds and payloads of one version of the env are drawn from."""
+class Ranges(NamedTuple):
+    """Speeds [m/s], payloads [kg] and radii [m] of circles that one version of the env draws."""
 
-    speeds: tuple[float, float] = SPEEDS
-    payloads: Mapping[str, tuple[float, float]] = field(default_factory=lambda: PAYLOADS)
-    radius: tuple[float, float] | None = None
-    """[m], of circles; that of `Shapes` if None."""
+    speeds: tuple[float, float]
+    payloads: Mapping[str, tuple[float, float]]
+    radius: tuple[float, float] | None
 
 
-RANGES = (Ranges(), Ranges((0.020, 0.100), {"large": (0.0, 120.0)}, (0.002, 0.012)))
+RANGES = (
+    Ranges(SPEEDS, PAYLOADS, None),
+    Ranges((0.020, 0.100), {"large": (0.0, 120.0)}, (0.002, 0.012)),
+)
 """By version. ESTIMATE: of version 1, as wide as to make the best design differ between tasks."""
 TEST_SEEDS = range(900_000_000, 900_000_100)
 """Seeds of episodes that results are reported on. Training and search refuse them."""

@@ -3,6 +3,7 @@
 The reward is that of `armside.sim.tuning.env.IlcTuningEnv`, with the tool's RMS after (9.6).
 """
 
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -251,16 +252,15 @@ class Rules(EnvCfg):
     ) -> tuple[Score, dict[str, Any]]:
         """The worse of two scores: of the run, and, after the last, of the run at HORIZON."""
         correction, error = self.predicted(after, design)
-        gear = after.experiment.loaded.model.drives.gear
-        found: dict[str, Any] = {"motor_error_predicted": two_norm(error * gear)}
-        if self.truncated(after):
-            held = self.held(after, correction)
-            later = self.score(before, held)
-            if self.criterion(design) >= 1.0:
-                later = later._replace(reward=WORST_REWARD)
-            score = min(score, later, key=lambda one: one.reward)
-            found["rms_held"] = float(held.measured.rms)
-        return score, found
+        norm = two_norm(error * after.experiment.loaded.model.drives.gear)
+        if not self.truncated(after):
+            return score, {"motor_error_predicted": norm}
+        held = self.held(after, correction)
+        later = self.score(before, held)
+        if self.criterion(design) >= 1.0:
+            later = later._replace(reward=WORST_REWARD)
+        found = {"motor_error_predicted": norm, "rms_held": float(held.measured.rms)}
+        return min(score, later, key=lambda one: one.reward), found
 
     def predicted(self, situation: Situation, design: Design) -> tuple[Array, Array]:
         """Correction and error (N, n) [rad], arm side, of run HORIZON, by the model."""
@@ -342,3 +342,13 @@ def _cell(robot: Any) -> Cell:
 def _one_of(name: str, value: Any, allowed: Any) -> None:
     if value not in list(allowed):
         raise ValueError(f"Unknown {name} {value!r}. It can be: {', '.join(allowed)}")
+
+
+def show_compilation() -> None:
+    """Print a line on stderr for each function that the first use of a robot compiles, unless
+    logging is set up."""
+    log = logging.getLogger("armside.kinematics.cache")
+    if not log.hasHandlers():
+        log.addHandler(handler := logging.StreamHandler())
+        handler.setFormatter(logging.Formatter("armside: %(message)s"))
+        log.setLevel(logging.INFO)

@@ -19,8 +19,7 @@ from ..motion.tool_motion import motion_notes
 from ..notes import Note, Tally
 from ..robot.run import cores
 from .episode_task import whole
-from .first_use import show_compilation
-from .rules import Decision, Rules, Step
+from .rules import Decision, Rules, Step, show_compilation
 from .situation import Situation
 
 Result = TypeVar("Result")

@@ -135,6 +135,7 @@ def test_the_interval_of_a_gain_is_that_of_paired_differences():
 
 def test_hopeless_designs_are_pruned_between_iterations():
     study = optuna.create_study(pruner=optuna.pruners.ThresholdPruner(upper=1e-3))
+    study.enqueue_trial({"gamma": 0.9, "delta": 3, "cutoff": 10.0})
     with (
         objective_at_p1(payload=40.0, episodes=1, iterations=3) as objective,
         pytest.raises(optuna.TrialPruned),
