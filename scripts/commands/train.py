@@ -28,9 +28,6 @@ from ..studies.study import first_action, whole_batches
 DISCOUNT = 1.0
 """None: only the error after the last iteration counts, however it was reached."""
 
-VERSION = 1
-"""Of the env: its reward looks past the last update."""
-
 OF_A_ROBOT, OF_A_STEP = Effort(1.0, 10e6), Effort(0.1)
 
 
@@ -82,7 +79,7 @@ class TrainCfg:
         of_contour = contour_options(self.shape, self.radius)
         of_action = {"action": self.action, "basis": self.basis, "functions": self.functions}
         own = {"robot": self.robot, "motors": self.motors, "reward": self.reward}
-        own |= {"version": VERSION}
+        own |= {"version": 1}  # whose reward looks past the last update
         return own | of_action | of_contour
 
     @property

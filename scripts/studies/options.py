@@ -63,8 +63,8 @@ class TuneCfg:
     """Trials that the study shall have in the end, those it has already included. Processes that
     share it end the trial they are in: it may get one more of each."""
     nominal: Annotated[int, Parameter(validator=validators.Number(gte=0))] = 0
-    """Designs that are tried on the nominal robot beforehand, at the same jobs; the best three of
-    them are the first that the robots try."""
+    """Random designs that the nominal robot tries beforehand at the same jobs, refused ones left
+    out; the robots try its best three first."""
     alone: bool = False
     """Leave out the random search with as many runs, and the comparison of both designs on other
     jobs."""

@@ -89,7 +89,8 @@ def against_random(
     """
     found = judge.ratio(studies.design_from(best))
     random = judge.ratio(random_best(objective, runs, seed))
-    return {"runs": runs, "episodes": len(found.logs), **gain(found, random)._asdict()}
+    interval = dict(zip(("ratio", "low", "high"), gain(found, random), strict=True))
+    return {"runs": runs, "episodes": len(found.logs)} | interval
 
 
 def search(

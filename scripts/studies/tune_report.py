@@ -133,11 +133,9 @@ def tables(report: Report, outcome: dict[str, Any], path: Path) -> None:
         columns = ["parameter", "fraction", "most by chance"]
         report.table("Importance of each parameter (PED-ANOVA)", columns, rows)
     if (found := outcome.get("gain")) is not None:
-        low, high = found["low"], found["high"]
-        report.line(
-            f"RMS over that of random search at {found['runs']} runs, on {found['episodes']} other"
-            f" jobs: {found['ratio']:.3f} (95 % interval {low:.3f} to {high:.3f})"
-        )
+        at = f"at {found['runs']} runs, on {found['episodes']} other jobs: {found['ratio']:.3f}"
+        interval = f"(95 % interval {found['low']:.3f} to {found['high']:.3f})"
+        report.line(f"RMS over that of random search {at} {interval}")
     counts = ", ".join(f"{n} {state}" for state, n in outcome["trials"].items() if n)
     where = f"study {config['study']!r} of {redacted(config['storage'])!r}"
     report.line(f"Trials: {counts}, in {where}. Results in {path}")

@@ -168,23 +168,15 @@ def mean_ratio(pairs: Iterable[tuple[float, float]]) -> float:
     return ratio if np.isfinite(ratio) else WORST
 
 
-class Gain(NamedTuple):
+def gain(one: Ratio, other: Ratio) -> tuple[float, float, float]:
     """Geometric mean of one design's ratio over another's in the same episodes, and its 95 %
-    interval."""
-
-    ratio: float
-    low: float
-    high: float
-
-
-def gain(one: Ratio, other: Ratio) -> Gain:
-    """Gain of one design over another, below 1 where it is better; WORST where it diverged, 0 where
-    the other did."""
+    interval; WORST where the first diverged, 0 where the other did."""
     if not one.logs or not other.logs:
         value = 1.0 if one.logs == other.logs else 0.0 if one.logs else WORST
-        return Gain(value, value, value)
+        return value, value, value
     paired = np.subtract(one.logs, other.logs)
-    return Gain(*np.exp([paired.mean(), *mean_interval(paired)]).tolist())
+    ratio, low, high = np.exp([paired.mean(), *mean_interval(paired)]).tolist()
+    return ratio, low, high
 
 
 def mean_interval(values: Array, confidence: float = 0.95) -> tuple[float, float]:
