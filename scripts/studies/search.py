@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 FIRST = 3
 """Designs of the nominal robot that are tried on the robot."""
-_STREAM = 0xA5  # of random designs, apart from the tasks' draws
+_STREAM, _NOMINAL = 0xA5, 0xA6  # of random designs, apart from the tasks' draws
 Evaluate = Callable[["optuna.Trial"], float]
 
 
@@ -48,9 +48,9 @@ def evaluate(objective: Objective, trial: "optuna.Trial") -> float:
     return ratio.measured
 
 
-def random_designs(rules: Rules, seed: int) -> Iterator[Design]:
+def random_designs(rules: Rules, seed: int, stream: int = _STREAM) -> Iterator[Design]:
     """Uniformly random designs, without end."""
-    rng = np.random.default_rng([seed, _STREAM])
+    rng = np.random.default_rng([seed, stream])
     while True:
         action = rng.uniform(-1.0, 1.0, rules.action_space.shape)
         yield design_of(action, Motors(rules.motors), rules.n_axes)
@@ -73,7 +73,7 @@ def nominal_best(
     """The best FIRST of so many random designs, tried on nominal robots, which costs no run of a
     robot; of those alone whose criterion is below 1."""
     tried: list[tuple[float, Design]] = []
-    for design in islice(random_designs(nominal.rules, seed), count):
+    for design in islice(random_designs(nominal.rules, seed, _NOMINAL), count):
         if nominal.rules.criterion(design) < 1.0:
             tried.append((nominal.ratio(design).measured, design))
         step()

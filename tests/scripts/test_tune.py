@@ -13,7 +13,7 @@ import pytest
 
 from armside.scripts.commands import tune
 from armside.scripts.studies.options import TuneCfg
-from armside.scripts.studies.search import evaluate, run_trial
+from armside.scripts.studies.search import evaluate, nominal_best, random_best, run_trial
 from armside.scripts.studies.tune_report import results
 from armside.sim.laser.design import THESIS, Design
 from armside.sim.tuning import objective as tuning_objective
@@ -122,6 +122,24 @@ def test_the_gain_over_random_search_stands_at_equal_runs_with_its_interval(
     assert (gain["runs"], gain["episodes"]) == (4, 2)  # two designs, one update and one run held
     assert first["delta"] != THESIS.delta[0]  # those of the nominal robot come first
     assert "RMS over that of random search at 4 runs" in " ".join(out.split())
+
+
+def test_the_nominal_robot_and_random_search_try_other_designs(monkeypatch):
+    """Else the search is compared with itself."""
+    tried = []
+    monkeypatch.setattr(tuning_objective.Objective, "ratio", lambda _, design: noted(tried, design))
+    with objective_at_p1(payload=40.0, episodes=1, iterations=1) as objective:
+        found = nominal_best(objective, 8, 0)
+        known, tried[:] = list(tried), []
+        random_best(objective, 0, 0)
+    assert not set(known) & set(tried)
+    assert len(found) == 3
+    assert all(objective.rules.criterion(design) < 1.0 for design in known)
+
+
+def noted(tried, design):
+    tried.append(design)
+    return Ratio(1.0, 1.0)
 
 
 def test_the_interval_of_a_gain_is_that_of_paired_differences():
