@@ -53,7 +53,7 @@ class TrainCfg:
     """Shapes of the contours; of several, each episode draws one."""
     radius: Radius = ()
     """Radius of a circle, half the size of another shape, or the range that each episode draws from
-    [mm] [default: 5; slot 15, square and hexagon 10]."""
+    [mm] [default: 2 to 12; slot 15, square and hexagon 10]."""
     robots: Count = 64
     """Robot cells that learn at the same time."""
     steps: Count = 12800
@@ -79,6 +79,7 @@ class TrainCfg:
         of_contour = contour_options(self.shape, self.radius)
         of_action = {"action": self.action, "basis": self.basis, "functions": self.functions}
         own = {"robot": self.robot, "motors": self.motors, "reward": self.reward}
+        own |= {"version": 1}  # whose reward looks past the last update
         return own | of_action | of_contour
 
     @property

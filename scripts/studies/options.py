@@ -4,12 +4,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from cyclopts import Parameter
+from cyclopts import Parameter, validators
 
 from armside.sim.cell import CELLS
 from armside.sim.records.summary import plain
 from armside.sim.tuning.episode_task import FASTEST, SLOWEST
-from armside.sim.tuning.rules import Rules
+from armside.sim.tuning.rules import HORIZON, Rules
 
 from ..jobs.resolved import robot_content
 from ..jobs.store import digest_of
@@ -62,6 +62,12 @@ class TuneCfg:
     trials: Count = 50
     """Trials that the study shall have in the end, those it has already included. Processes that
     share it end the trial they are in: it may get one more of each."""
+    nominal: Annotated[int, Parameter(validator=validators.Number(gte=0))] = 0
+    """Random designs that the nominal robot tries beforehand at the same jobs, refused ones left
+    out; the robots try its best three first."""
+    alone: bool = False
+    """Leave out the random search with as many runs, and the comparison of both designs on other
+    jobs."""
     sampler: Sampler = "tpe"
     """Algorithm that proposes designs."""
     pruner: Pruner = "percentile"
@@ -101,8 +107,10 @@ class TuneCfg:
 
     def identity(self, seed: int) -> dict[str, Any]:
         """Options that make two studies comparable: all of the task, nothing of the search."""
-        search = ("trials", "sampler", "pruner", "study", "storage")
-        task = {key: v for key, v in plain(self).items() if key not in search} | {"seed": seed}
+        search = ("trials", "alone", "nominal", "sampler", "pruner", "study", "storage")
+        task = {key: v for key, v in plain(self).items() if key not in search}
+        # Studies of before had another objective: designs were not held past the last update.
+        task |= {"seed": seed, "held": HORIZON}
         # What is as it was before there was a choice has no part in the identity of older studies.
         for name, value in (("shape", ["circle"]), ("radius", [])):
             if task[name] == value:

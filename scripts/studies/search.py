@@ -1,28 +1,39 @@
 """The search of `armside tune`: trials of a study until it has as many as were asked for."""
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import islice
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from armside.sim.laser.design import Design
 from armside.sim.records.summary import plain
-from armside.sim.tuning.action import Motors
-from armside.sim.tuning.objective import WORST, Objective, Ratio
+from armside.sim.tuning.action import Motors, design_of
+from armside.sim.tuning.objective import WORST, Objective, Ratio, gain
+from armside.sim.tuning.rules import Rules
 
 from . import study as studies
 
 if TYPE_CHECKING:
     import optuna
 
+FIRST = 3
+"""Designs of the nominal robot that are tried on the robot."""
+_STREAM, _NOMINAL = 0xA5, 0xA6  # of random designs, apart from the tasks' draws
 Evaluate = Callable[["optuna.Trial"], float]
 
 
 def evaluate(objective: Objective, trial: "optuna.Trial") -> float:
-    """Ratio of the design that a trial suggests. Raises optuna.TrialPruned where its pruner gives
-    the design up."""
+    """Ratio of the design that a trial suggests; WORST, without a run, where its criterion is 1 or
+    more. Raises optuna.TrialPruned where its pruner gives the design up."""
     import optuna
 
     rules = objective.rules
     ratio, hopeless = Ratio(1.0, 1.0), False
     design = studies.suggest(trial, Motors(rules.motors), rules.n_axes)
+    trial.set_user_attr(studies.CRITERION, criterion := rules.criterion(design))
+    if criterion >= 1.0:
+        return WORST
     for k, ratio in enumerate(objective.ratios(design), 1):
         trial.report(ratio.measured, k)
         going_on = ratio.measured < WORST and k < rules.iterations
@@ -37,11 +48,56 @@ def evaluate(objective: Objective, trial: "optuna.Trial") -> float:
     return ratio.measured
 
 
+def random_designs(rules: Rules, seed: int, stream: int = _STREAM) -> Iterator[Design]:
+    """Uniformly random designs, without end."""
+    rng = np.random.default_rng([seed, stream])
+    while True:
+        action = rng.uniform(-1.0, 1.0, rules.action_space.shape)
+        yield design_of(action, Motors(rules.motors), rules.n_axes)
+
+
+def random_best(objective: Objective, runs: int, seed: int) -> Design:
+    """The best of random designs that cost so many runs of the robots; one at least."""
+    tried: list[tuple[float, Design]] = []
+    end = objective.runs + runs
+    for design in random_designs(objective.rules, seed):
+        tried.append((objective.ratio(design).measured, design))
+        if objective.runs >= end:
+            break
+    return min(tried, key=lambda one: one[0])[1]
+
+
+def nominal_best(
+    nominal: Objective, count: int, seed: int, step: Callable[[], None] = lambda: None
+) -> list[Design]:
+    """The best FIRST of so many random designs, tried on nominal robots, which costs no run of a
+    robot; of those alone whose criterion is below 1."""
+    tried: list[tuple[float, Design]] = []
+    for design in islice(random_designs(nominal.rules, seed, _NOMINAL), count):
+        if nominal.rules.criterion(design) < 1.0:
+            tried.append((nominal.ratio(design).measured, design))
+        step()
+    return [design for _, design in sorted(tried, key=lambda one: one[0])[:FIRST]]
+
+
+def against_random(
+    objective: Objective, judge: Objective, best: Mapping[str, Any], runs: int, seed: int
+) -> dict[str, Any]:
+    """Gain of a search's best design over that of random search with as many runs, on other jobs.
+
+    judge: of those jobs. best: parameters of the design.
+    """
+    found = judge.ratio(studies.design_from(best))
+    random = judge.ratio(random_best(objective, runs, seed))
+    interval = dict(zip(("ratio", "low", "high"), gain(found, random), strict=True))
+    return {"runs": runs, "episodes": len(found.logs)} | interval
+
+
 def search(
     study: "optuna.Study",
     evaluate: Evaluate,
     n_trials: int,
-    first: dict[str, float],
+    first: Sequence[dict[str, float]],
     *,
     check: Callable[[], None],
     step: Callable[[], None],
@@ -50,14 +106,15 @@ def search(
     """Evaluate designs until the study has `n_trials` finished trials, other processes' included.
 
     Args:
-        first: parameters of the design that is tried first.
+        first: parameters of the designs that are tried first.
         check: called between trials; what it raises ends the search.
         step: called for each finished trial.
         new_best: called with each trial that is better than all before.
     """
     done, best = 0, min((t.value for t in studies.outcomes(study) if t.complete), default=WORST)
     if len(studies.finished(study)) < n_trials:
-        studies.ask_first(study, first, check)
+        for values in first:
+            studies.ask_first(study, values, check)
     while True:
         known = min(len(studies.finished(study)), n_trials)
         for _ in range(known - done):

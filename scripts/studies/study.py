@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 TRUE = "ratio_true"
 """User attribute of a trial: the ground truth of its objective."""
+CRITERION = "criterion"
+"""User attribute of a trial: sup |Q (1 - L T_u)| of its design; from 1 on it was not run."""
 NOTES = "notes"
 """User attribute of a trial: limits that its last runs touched."""
 CONFIG_TIMEOUT = 2.0
@@ -181,6 +183,12 @@ def outcomes(study: "optuna.Study") -> list[Outcome]:
     ]
 
 
+def runs(study: "optuna.Study", episodes: int, iterations: int) -> int:
+    """Runs of robots that the finished trials took, those before learning left out."""
+    updates = (len(t.intermediate_values) for t in finished(study))
+    return episodes * sum(n + (n == iterations) for n in updates)
+
+
 def bests(study: "optuna.Study") -> list["optuna.trial.FrozenTrial"]:
     """Each complete trial that was better than all before it, and did not diverge."""
     from optuna.trial import TrialState
@@ -214,16 +222,18 @@ def load_design(file: Path) -> Design:
     design.
     """
     try:
-        best = json.loads(file.read_text(encoding="utf-8"))["best"]
-        names = {
-            v.name: [v.name] if v.name in best else _of_motors(best, v.name) for v in VARIABLES
-        }
-        values = {name: tuple(best[i] for i in of) for name, of in names.items()}
+        return design_from(json.loads(file.read_text(encoding="utf-8"))["best"])
     except FileNotFoundError:
         raise ValueError(f"{file} does not exist") from None
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise ValueError(f"{file} is no summary.json of armside tune") from error
-    return Design(**values)
+
+
+def design_from(params: Mapping[str, Any]) -> Design:
+    """The design of a study's parameters. Raises KeyError for others."""
+    names = [v.name for v in VARIABLES]
+    of = {name: [name] if name in params else _of_motors(params, name) for name in names}
+    return Design(**{name: tuple(params[i] for i in of[name]) for name in names})
 
 
 def _of_motors(best: Mapping[str, Any], variable: str) -> list[str]:

@@ -12,7 +12,7 @@ from armside.sim.tuning.situation import RewardSensor
 
 from ..shell.console import Report
 from .storage import redacted
-from .study import TRUE, bests, parameter_names
+from .study import CRITERION, TRUE, bests, parameter_names
 
 if TYPE_CHECKING:
     import optuna
@@ -80,13 +80,18 @@ def results(study: "optuna.Study") -> dict[str, Any]:
     """Trials, best designs and importances of a study, as summary.json has them."""
     from optuna.trial import TrialState
 
-    states = [trial.state for trial in study.get_trials(deepcopy=False)]
+    trials = study.get_trials(deepcopy=False)
+    refused = [t.user_attrs.get(CRITERION, 0.0) >= 1.0 for t in trials]
+    states = [t.state for t, no in zip(trials, refused, strict=True) if not no]
+    counts = {state.name.lower(): states.count(state) for state in TrialState}
     best = [
-        {"trial": t.number, "ratio": t.value, TRUE: t.user_attrs.get(TRUE), **t.params}
+        {"trial": t.number, "ratio": t.value}
+        | {name: t.user_attrs.get(name) for name in (TRUE, CRITERION)}
+        | t.params
         for t in bests(study)
     ]
     return {
-        "trials": {state.name.lower(): states.count(state) for state in TrialState},
+        "trials": counts | {"refused": sum(refused)},
         "bests": best,
         "best": best[-1] if best else None,
         "importance": {name: found._asdict() for name, found in importance(study).items()},
@@ -112,8 +117,8 @@ def tables(report: Report, outcome: dict[str, Any], path: Path) -> None:
     names = [v.name for v in VARIABLES] if shared else []
     report.table(
         f"{title}, {RewardSensor(config['reward']).label}",
-        ["trial", "measured", "true", *heads[: len(names)]],
-        [[best[name] for name in ("trial", "ratio", TRUE, *names)] for best in bests],
+        ["trial", "measured", "true", "criterion", *heads[: len(names)]],
+        [[best[name] for name in ("trial", "ratio", TRUE, CRITERION, *names)] for best in bests],
     )
     if not shared:
         n_axes = sum(name.startswith(f"{VARIABLES[0].name}_") for name in outcome["best"])
@@ -127,6 +132,10 @@ def tables(report: Report, outcome: dict[str, Any], path: Path) -> None:
         rows = [[name, i["share"], i["by_chance"]] for name, i in found.items()]
         columns = ["parameter", "fraction", "most by chance"]
         report.table("Importance of each parameter (PED-ANOVA)", columns, rows)
+    if (found := outcome.get("gain")) is not None:
+        at = f"at {found['runs']} runs, on {found['episodes']} other jobs: {found['ratio']:.3f}"
+        interval = f"(95 % interval {found['low']:.3f} to {found['high']:.3f})"
+        report.line(f"RMS over that of random search {at} {interval}")
     counts = ", ".join(f"{n} {state}" for state, n in outcome["trials"].items() if n)
     where = f"study {config['study']!r} of {redacted(config['storage'])!r}"
     report.line(f"Trials: {counts}, in {where}. Results in {path}")

@@ -1,4 +1,4 @@
-"""`armside/IlcTuning-v0`: choose the design of every ILC iteration of one robot cell."""
+"""`armside/IlcTuning-v0` and `-v1`: choose the design of each ILC iteration of one robot cell."""
 
 import copy
 from typing import Any
@@ -7,7 +7,7 @@ import gymnasium
 import numpy as np
 
 from .picture import Picture
-from .rules import Rules, Step
+from .rules import Rules, Step, show_compilation
 from .situation import Situation
 
 
@@ -28,8 +28,8 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     m B-splines or sines over the record, which are zero at both ends, and five times the RMS of the
     axis's error before learning (`armside.sim.tuning.action`).
 
-    Observation: (8 n + 2,) float32, signals of a robot cell with n axes after a run, without the
-    tool's position. With six axes:
+    Observation: (8 n + 2,) float32, in version 1 (8 n + 5,), signals of a robot cell with n axes
+    after a run, without the tool's position. With six axes:
 
     | entries | feature | unit | low | high | scale |
     |---|---|---|---|---|---|
@@ -45,6 +45,7 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     | 49:50 | iteration k | - | 0 | 10 | linear |
 
     Errors and corrections are those of the motor shaft; with a twin, errors of the twin's motors.
+    In version 1 the payload (0 to 120 kg, linear) follows.
     Where contours are drawn, the radius (0.001 to 0.1 m, log10) follows, and an entry for each of
     the shapes, +1 for the one that is cut and -1 for the others. Prismatic axes have m for rad.
     Where actions are corrections, last error and last correction follow, (n m,) each, fitted in the
@@ -52,7 +53,10 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     Low becomes -1 and high +1; values outside are clipped, values that are not finite become +1.
 
     Reward: log(RMS before / RMS after) of the tool's contour as measured by the configured sensor,
-    clipped to [-5, 5]; -5 for a run that diverged; 0 where the sensor has no measure.
+    clipped to [-5, 5]; -5 for a run that diverged; 0 where the sensor has no measure. In version 1
+    the last design of an episode is held up to update 20, by the model of the motors, and one more
+    run has the correction predicted there: the last reward is that of the worse of the two runs,
+    and -5 where the design's criterion is 1 or more.
 
     Info: `armside.sim.tuning.rules.Rules.info`. Tasks: `armside.sim.tuning.episode_task`.
     An episode is truncated after `iterations` steps and terminated by a run that diverges.
@@ -71,6 +75,7 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
 
         Raises ValueError for a value that does not exist; the message lists those that do.
         """
+        show_compilation()
         self.rules = Rules(**options)
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"Unknown render_mode {render_mode!r}. It can be: rgb_array")

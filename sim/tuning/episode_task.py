@@ -3,10 +3,10 @@
 | what | drawn from |
 |---|---|
 | pose | one of the cell's named poses, moved by up to 50 mm along each base axis, uniformly |
-| speed | uniform in [20, 60] mm/s |
-| payload | mass of the tool, uniform in [20, 80] kg for the large robot; others keep their own |
+| speed | uniform in [20, 60] mm/s; v1: [20, 100] |
+| payload | of the large robot, uniform in [20, 80] kg; v1: [0, 120]. Others keep their own tool |
 | individual | friction, stiffness, ripple and geometry of one robot: `sim.robot.spread.Spread()` |
-| shape, radius | a circle of 5 mm, or as the env was made: `Shapes` |
+| shape, radius | a circle of 5 mm; v1: uniform in [2, 12] mm; or as the env was made: `Shapes` |
 
 A robot of a file may not reach 50 mm beside its poses. Its draws stay in the directions in which
 its tool can move, and are halved until the contour can be cut.
@@ -18,7 +18,7 @@ and nothing of the individual.
 import operator
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -139,6 +139,21 @@ SLOWEST, FASTEST = 0.001, 0.1
 """[m/s], that may be asked for: thesis 9.3.1 goes no further than 100 mm/s."""
 PAYLOADS: Mapping[str, tuple[float, float]] = {"large": (20.0, 80.0)}
 """[kg], by robot; a robot that is not here keeps the tool of its model."""
+
+
+class Ranges(NamedTuple):
+    """Speeds [m/s], payloads [kg] and radii [m] of circles that one version of the env draws."""
+
+    speeds: tuple[float, float]
+    payloads: Mapping[str, tuple[float, float]]
+    radius: tuple[float, float] | None
+
+
+RANGES = (
+    Ranges(SPEEDS, PAYLOADS, None),
+    Ranges((0.020, 0.100), {"large": (0.0, 120.0)}, (0.002, 0.012)),
+)
+"""By version. ESTIMATE: of version 1, as wide as to make the best design differ between tasks."""
 TEST_SEEDS = range(900_000_000, 900_000_100)
 """Seeds of episodes that results are reported on. Training and search refuse them."""
 
@@ -170,6 +185,7 @@ def draw(
     rng: np.random.Generator,
     options: Mapping[str, Any] | None = None,
     shapes: Shapes = Shapes(),
+    ranges: Ranges = RANGES[0],
 ) -> Task:
     """Draw a task; what `options` gives is taken instead.
 
@@ -188,15 +204,16 @@ def draw(
     unknown = [name for name in options if name not in OPTIONS]
     if unknown:
         raise ValueError(f"Unknown option {unknown[0]!r} of reset. Options: {', '.join(OPTIONS)}")
-    cell, ranges = (robot, None) if isinstance(robot, Cell) else (CELLS[robot], PAYLOADS.get(robot))
+    named = not isinstance(robot, Cell)
+    cell, masses = (CELLS[robot], ranges.payloads.get(robot)) if named else (robot, None)
     base = list(cell.poses.values())[rng.integers(len(cell.poses))]
     offset = rng.uniform(-POSE_SPREAD, POSE_SPREAD, 3)
     x, y, z = (np.array(base.position) + offset).tolist()
-    payload = float(rng.uniform(*(ranges or (0.0, 1.0))))
+    payload = float(rng.uniform(*(masses or (0.0, 1.0))))
     drawn = {
         "pose": replace(base, position=(x, y, z)),
-        "speed": float(rng.uniform(*SPEEDS)),
-        "payload": payload if ranges else None,
+        "speed": float(rng.uniform(*ranges.speeds)),
+        "payload": payload if masses else None,
         "individual": int(rng.integers(2**31)),
     }
     # Whatever came later is drawn later: earlier tasks stay as they were.
@@ -207,7 +224,7 @@ def draw(
     taken = {name: _option(cell, name, options.get(name, drawn[name])) for name in OPTIONS}
     robot_or_seed = taken["individual"]
     seed = robot_or_seed if isinstance(robot_or_seed, int) else drawn["individual"]
-    near = base if isinstance(robot, Cell) and "pose" not in options else None
+    near = base if not named and "pose" not in options else None
     return Task(**taken, seed=seed, near=near)
 
 

@@ -1,10 +1,16 @@
-"""The objective of a search: the tool's RMS after learning with a design, over that before."""
+"""The objective of a search: the tool's RMS after learning with a design, over that before.
+
+After the last update the design is held, as in version 1 of the env, and the worse of the two runs
+counts: a design that is best at the budget and grows beyond it is not a good one.
+"""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
+
+from armside.arrays import Array
 
 from ..laser.design import Design
 from ..laser.experiment import Experiment
@@ -35,6 +41,8 @@ class Ratio(NamedTuple):
     true: float
     notes: tuple[Note, ...] = ()
     """Limits that the last run of the episodes touched."""
+    logs: tuple[float, ...] = ()
+    """Logarithm of `measured` in each episode; empty once one diverged."""
 
 
 class Episode(NamedTuple):
@@ -75,6 +83,8 @@ class Objective:
         check: called while runs are waited for, here and later; what it raises ends them.
         """
         self.rules = rules
+        self.runs = 0
+        """Runs of the robots, without those before learning, which all designs share."""
         self._check = check
         self._pool = ThreadPoolExecutor(min(cores(), len(episodes)))
         try:
@@ -101,11 +111,26 @@ class Objective:
     def ratios(self, design: Design) -> Iterator[Ratio]:
         """The ratio after each iteration; WORST, and the last, once any episode diverged."""
         situations = [restarted(situation) for situation in self._first]
-        for _ in range(self.rules.iterations):
-            situations = self._each(lambda s: self.rules.advance(s, design), situations)
+        for k in range(1, self.rules.iterations + 1):
+            situations = self._run(lambda s: self.rules.advance(s, design), situations)
+            if k == self.rules.iterations and not any(s.diverged for s in situations):
+                held = self._run(lambda s: self._held(s, design), situations)
+                situations = [max(two, key=_badness) for two in zip(situations, held, strict=True)]
             yield self._ratio(situations)
             if any(s.diverged for s in situations):
                 return
+
+    def ratio(self, design: Design) -> Ratio:
+        """The last of `ratios`."""
+        *_, last = self.ratios(design)
+        return last
+
+    def _held(self, situation: Situation, design: Design) -> Situation:
+        return self.rules.held(situation, self.rules.predicted(situation, design)[0])
+
+    def _run(self, run: Callable[[Situation], Situation], at: list[Situation]) -> list[Situation]:
+        self.runs += len(at)
+        return self._each(run, at)
 
     def close(self) -> None:
         """Stop the threads, after the runs that they are in."""
@@ -127,10 +152,39 @@ class Objective:
         pairs = list(zip(situations, self._first, strict=True))
         measured = mean_ratio((s.measured.rms, first.measured.rms) for s, first in pairs)
         true = mean_ratio((s.true.rms, first.true.rms) for s, first in pairs)
-        return Ratio(measured, true, tuple(counted((s.notes for s in situations), _EPISODES)))
+        notes = tuple(counted((s.notes for s in situations), _EPISODES))
+        logs = (float(np.log(s.measured.rms / first.measured.rms)) for s, first in pairs)
+        return Ratio(measured, true, notes, tuple(logs))
+
+
+def _badness(situation: Situation) -> float:
+    rms = situation.measured.rms
+    return rms if np.isfinite(rms) and not situation.diverged else np.inf
 
 
 def mean_ratio(pairs: Iterable[tuple[float, float]]) -> float:
     """Geometric mean of after over before; WORST where it is not finite."""
     ratio = float(np.exp(np.mean([np.log(after / before) for after, before in pairs])))
     return ratio if np.isfinite(ratio) else WORST
+
+
+def gain(one: Ratio, other: Ratio) -> tuple[float, float, float]:
+    """Geometric mean of one design's ratio over another's in the same episodes, and its 95 %
+    interval; WORST where the first diverged, 0 where the other did."""
+    if not one.logs or not other.logs:
+        value = 1.0 if one.logs == other.logs else 0.0 if one.logs else WORST
+        return value, value, value
+    paired = np.subtract(one.logs, other.logs)
+    ratio, low, high = np.exp([paired.mean(), *mean_interval(paired)]).tolist()
+    return ratio, low, high
+
+
+def mean_interval(values: Array, confidence: float = 0.95) -> tuple[float, float]:
+    """Interval by Student's t of the mean of values (n,); infinite for one value."""
+    from scipy.special import stdtrit
+
+    n, mean = len(values), float(np.mean(values))
+    if n < 2:
+        return -np.inf, np.inf
+    half = stdtrit(n - 1, 0.5 + 0.5 * confidence) * np.std(values, ddof=1) / np.sqrt(n)
+    return mean - float(half), mean + float(half)

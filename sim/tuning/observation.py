@@ -30,6 +30,8 @@ class Feature:
 
 BANDS = ((0.0, 3.0), (3.0, 8.0), (8.0, 16.0), (16.0, 125.0))
 """[Hz]"""
+HEAVIEST = 120.0
+"""[kg], of payloads that version 1 draws; 0 stands for a tool of the robot's own."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,8 @@ class Layout:
     shapes: Shapes = field(default_factory=Shapes)
     basis: CorrectionBasis | None = None
     """Functions of the actions, where these are corrections."""
+    payload: bool = False
+    """The payload is observed too."""
 
     @cached_property
     def features(self) -> tuple[Feature, ...]:
@@ -58,6 +62,8 @@ class Layout:
             Feature("commanded speed", 1, "m/s", 0.0, 0.1, False),
             Feature("iteration k", 1, "-", 0.0, 10.0, False),
         )
+        if self.payload:
+            every = (*every, Feature("payload", 1, "kg", 0.0, HEAVIEST, False))
         if self.shapes.are_drawn:
             radius = Feature("radius of the contour", 1, "m", SMALLEST, LARGEST)
             shape = Feature("shape", len(self.shapes.names), "-", 0.0, 1.0, False)
@@ -105,6 +111,8 @@ class Layout:
             np.array([situation.experiment.motion.programmed_speed]),
             np.array([float(situation.k)]),
         ]
+        if self.payload:
+            values.append(np.array([task.payload or 0.0]))
         if self.shapes.are_drawn:
             values.append(np.array([task.radius]))
             values.append(np.array([float(name == task.shape) for name in self.shapes.names]))

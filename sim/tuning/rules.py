@@ -3,14 +3,20 @@
 The reward is that of `armside.sim.tuning.env.IlcTuningEnv`, with the tool's RMS after (9.6).
 """
 
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from os import PathLike, fspath
 from typing import Any, NamedTuple
 
 import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import ArrayLike
+
+from armside.arrays import Array
+from armside.ilc.measures.norms import two_norm
+from armside.ilc.models.system import System
 
 from ..cell import CELLS, Cell
 from ..laser.design import Design
@@ -24,13 +30,15 @@ from ..robot_file.find import find_cell
 from ..twin.prediction import Corrected
 from ..twin.twin import learned, stored_twin
 from . import episode_task as task
+from . import outlook
 from .action import LARGEST_COUNT, VARIABLES, Coefficients, CorrectionBasis, Motors, design_of
-from .episode_task import TEST_SEEDS, Shapes, Task, shapes_of, whole
+from .episode_task import RANGES, TEST_SEEDS, Shapes, Task, shapes_of, whole
 from .observation import Layout
-from .situation import RewardSensor, Sensor, Situation, advance, begin
+from .situation import RewardSensor, Sensor, Situation, advance, begin, run_with
 
 WORST_REWARD = -5.0  # Reward of a run that diverged; also the bound of every other
-
+HORIZON = 20
+"""Update up to which version 1 holds the last design of an episode."""
 
 Decision = Design | Coefficients
 """What an action stands for."""
@@ -79,6 +87,8 @@ class EnvCfg:
     """b-splines or harmonics, of which corrections are made."""
     functions: int = 12
     """Functions of the basis, of each axis: 2 to 60."""
+    version: int = 0
+    """1: wider tasks, payload observed, and a reward that looks past the last update."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,9 +118,12 @@ class Rules(EnvCfg):
         _one_of("action", self.action, ACTIONS)
         count = whole("functions", self.functions, 2, LARGEST_COUNT)
         basis = CorrectionBasis(self.basis, count)
+        object.__setattr__(self, "version", whole("version", self.version, 0, len(RANGES) - 1))
         shapes = shapes_of(self.shape, self.radius)
+        if self.radius is None and shapes.names == ("circle",):
+            shapes = Shapes(shapes.names, RANGES[self.version].radius)
         own = basis if self.action == "correction" else None
-        layout = Layout(self.cell.robot.n_joints, shapes, own)
+        layout = Layout(self.cell.robot.n_joints, shapes, own, payload=self.version > 0)
         object.__setattr__(self, "layout", layout)
         object.__setattr__(self, "nominal", cell_model(self.cell))
         if isinstance(self.individual, Individual):
@@ -152,6 +165,11 @@ class Rules(EnvCfg):
         """(50,) with six axes, in the table of `armside.sim.tuning.env.IlcTuningEnv`."""
         return Box(-1.0, 1.0, (self.layout.size,), np.float32)
 
+    @cached_property
+    def T_u(self) -> System:
+        """The controller's model of each motor."""
+        return outlook.motor_model(self.robot_or_cell)
+
     def check_seed(self, seed: Any) -> int | None:
         """A seed of Python or NumPy, or None.
 
@@ -172,7 +190,7 @@ class Rules(EnvCfg):
         """Draw a task. See `armside.sim.tuning.episode_task.draw`."""
         if self.individual is not None and isinstance(options, Mapping | None):
             options = {"individual": self.individual} | dict(options or {})
-        return task.draw(self.robot_or_cell, rng, options, self.shapes)
+        return task.draw(self.robot_or_cell, rng, options, self.shapes, RANGES[self.version])
 
     def begin(self, drawn: Task) -> Situation:
         """Build the experiment of a task and run it without learning."""
@@ -216,9 +234,44 @@ class Rules(EnvCfg):
 
     def step(self, before: Situation, after: Situation, decision: Decision) -> Step:
         """Outcome of an iteration with a decision, as Gymnasium has it."""
-        score = self.score(before, after)
-        ends = after.diverged, self.truncated(after)
-        return self.observe(after), score.reward, *ends, self.info(after, decision, score)
+        score, ends = self.score(before, after), (after.diverged, self.truncated(after))
+        ahead: dict[str, Any] = {}
+        if isinstance(decision, Design):
+            ahead["criterion"] = self.criterion(decision)
+            if self.version:
+                score, found = self._look_ahead(before, after, decision, score)
+                ahead |= found
+        return self.observe(after), score.reward, *ends, self.info(after, decision, score) | ahead
+
+    def criterion(self, design: Design) -> float:
+        """sup |Q (1 - L T_u)|, the largest of all motors. Thesis (7.5)."""
+        return outlook.contraction(self.T_u, design)
+
+    def _look_ahead(
+        self, before: Situation, after: Situation, design: Design, score: Score
+    ) -> tuple[Score, dict[str, Any]]:
+        """The worse of two scores: of the run, and, after the last, of the run at HORIZON."""
+        correction, error = self.predicted(after, design)
+        norm = two_norm(error * after.experiment.loaded.model.drives.gear)
+        if not self.truncated(after):
+            return score, {"motor_error_predicted": norm}
+        held = self.held(after, correction)
+        later = self.score(before, held)
+        if self.criterion(design) >= 1.0:
+            later = later._replace(reward=WORST_REWARD)
+        found = {"motor_error_predicted": norm, "rms_held": float(held.measured.rms)}
+        return min(score, later, key=lambda one: one.reward), found
+
+    def predicted(self, situation: Situation, design: Design) -> tuple[Array, Array]:
+        """Correction and error (N, n) [rad], arm side, of run HORIZON, by the model."""
+        centre = situation.centre
+        now = situation.correction - centre, situation.error
+        correction, error = outlook.held(self.T_u, design, *now, HORIZON - situation.k)
+        return centre + correction, error
+
+    def held(self, situation: Situation, correction: Array) -> Situation:
+        """Run HORIZON with its predicted correction; the episode's noise stays as it is."""
+        return run_with(situation, correction, HORIZON)
 
     def observe(self, situation: Situation) -> np.ndarray:
         """See `armside.sim.tuning.observation`."""
@@ -242,7 +295,11 @@ class Rules(EnvCfg):
         - with a twin: rms_predicted [m], expected of the first run, and trusted, whether it is
           corrected;
         - of a step: gamma, delta [samples] and cutoff [Hz], one for each motor, or the coefficients
-          (n, m) of the correction.
+          (n, m) of the correction;
+        - of a step with a design, by the controller's model: criterion, sup |Q (1 - L T_u)|, above
+          1 where motors diverge; in version 1 also motor_error_predicted, one 2-norm for each [rad]
+          of the shaft, after HORIZON updates all with this design;
+        - of the last step in version 1: rms_held [m], of a run with the correction predicted there.
         """
         drawn = situation.task
         status = "done" if self.truncated(situation) else "running"
@@ -285,3 +342,13 @@ def _cell(robot: Any) -> Cell:
 def _one_of(name: str, value: Any, allowed: Any) -> None:
     if value not in list(allowed):
         raise ValueError(f"Unknown {name} {value!r}. It can be: {', '.join(allowed)}")
+
+
+def show_compilation() -> None:
+    """Print a line on stderr for each function that the first use of a robot compiles, unless
+    logging is set up."""
+    log = logging.getLogger("armside.kinematics.cache")
+    if not log.hasHandlers():
+        log.addHandler(handler := logging.StreamHandler())
+        handler.setFormatter(logging.Formatter("armside: %(message)s"))
+        log.setLevel(logging.INFO)

@@ -162,10 +162,18 @@ def advance(situation: Situation, decision: Design | Coefficients) -> Situation:
         correction = centre + decision.correction(len(centre), situation.size)
     else:
         correction = centre + decision.law(situation.correction - centre, situation.error)
+    return _run(situation, correction, situation.k + 1)
+
+
+def run_with(situation: Situation, correction: Array, k: int) -> Situation:
+    """Another run k of an episode, with any correction; the episode's noise stays as it is."""
+    return _run(restarted(situation), correction, k)
+
+
+def _run(situation: Situation, correction: Array, k: int) -> Situation:
     cut = situation.experiment.plant.run(correction)
     fixed = situation.task, situation.experiment, situation.reading
-    first, twin = situation.first_norm, situation.twin
-    return _situation(*fixed, situation.k + 1, correction, cut, first, twin)
+    return _situation(*fixed, k, correction, cut, situation.first_norm, situation.twin)
 
 
 def restarted(situation: Situation) -> Situation:

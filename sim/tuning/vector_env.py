@@ -19,14 +19,14 @@ from ..motion.tool_motion import motion_notes
 from ..notes import Note, Tally
 from ..robot.run import cores
 from .episode_task import whole
-from .rules import Decision, Rules, Step
+from .rules import Decision, Rules, Step, show_compilation
 from .situation import Situation
 
 Result = TypeVar("Result")
 
 
 class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
-    """`num_envs` copies of `armside/IlcTuning-v0`; row i is bitwise what the single env returns.
+    """`num_envs` copies of the env; row i is bitwise what the single env returns.
 
     `gymnasium.make_vec(..., vectorization_mode="vector_entry_point")` makes it. Episodes that are
     over start again by themselves, at the next step as Gymnasium does by default, or as
@@ -58,6 +58,7 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self.threads = cores() if threads is None else whole("threads", threads, 1)
         if render_mode is not None:
             raise ValueError(f"the vector env draws nothing, got render_mode {render_mode!r}")
+        show_compilation()
         self.rules = Rules(**options)
         self.render_mode = None
         self.autoreset_mode = _autoreset_mode(autoreset_mode)

@@ -12,7 +12,7 @@ from types import ModuleType
 
 
 def register_env() -> None:
-    """Register `armside/IlcTuning-v0` now, or as soon as Gymnasium has been imported."""
+    """Register `armside/IlcTuning-v0` and `-v1` now, or as soon as Gymnasium has been imported."""
     if "gymnasium" in sys.modules:
         from .sim.tuning import registration as registration
     else:

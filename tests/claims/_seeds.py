@@ -3,10 +3,8 @@
 import math
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
-from armside.arrays import Array
 from armside.sim.evaluation.check import Check
+from armside.sim.tuning.objective import mean_interval as mean_interval
 
 
 def held(by_seed: Mapping[int, Sequence[Check]], fraction: float = 1.0) -> list[Check]:
@@ -19,14 +17,3 @@ def held(by_seed: Mapping[int, Sequence[Check]], fraction: float = 1.0) -> list[
         words = f"{first.id}: {first.statement}: {first.band}, for {rule} ({holding} of {n})"
         found.append(Check(first.id, words, first.thesis, holding, low=math.ceil(fraction * n)))
     return found
-
-
-def mean_interval(values: Array, confidence: float = 0.95) -> tuple[float, float]:
-    """Interval by Student's t of the mean of values (n,); infinite for one value."""
-    from scipy.special import stdtrit
-
-    n, mean = len(values), float(np.mean(values))
-    if n < 2:
-        return -np.inf, np.inf
-    half = stdtrit(n - 1, 0.5 + 0.5 * confidence) * np.std(values, ddof=1) / np.sqrt(n)
-    return mean - float(half), mean + float(half)

@@ -22,7 +22,8 @@ from .imu import axes, by_axis
 from .long_way import TASKS
 
 FULL_INSTANCES = {
-    "kinematics": 10, "laser": 20, "ablations": 3, "env": 1000, "tuning": 100,
+    "kinematics": 10, "laser": 20, "ablations": 3, "env": 1000, "tuning": 100, "tuning-tasks": 100,
+    "tuning-growth": 5,
     "tuning-iterations": 100, "sweep": 10, "sweep-memory": 10_000, "chapter9": 5, "imu": 20,
     "estimation": 10, "estimation-controls": 10, "estimation-gears": 10, "imu-causes": 5,
     "imu-large": 10, "imu-rest": 10, "laser-irb1400": 20, "laser-irb1400-design": 20,
@@ -441,6 +442,36 @@ def test_a_searched_design_is_made_for_its_budget():
 
     assert found(0.501) == []
     fails_by_itself(found(0.499), "after ten iterations it leaves more")
+
+
+def test_the_design_that_grew_fails_the_claim_that_replaced_it_and_the_thesis_does_not():
+    from ._episodes import THESIS
+    from .tuning import GREW, grown
+
+    assert failed("tuning-growth", [grown("thesis", THESIS, Tally())]) == []
+    bad = failed("tuning-growth", [grown("before", GREW, Tally())])
+    assert len(bad) == 2
+
+
+@pytest.mark.parametrize(
+    ("differ", "informed", "words"),
+    [(0.1, True, ""), (0.0, True, "tasks differ"), (0.1, False, "of three designs")],
+)
+def test_tasks_differ_and_the_nominal_robot_knows_by_how_much(differ, informed, words):
+    """Of six random designs the fifth or the sixth is best, by turns, and the nominal robot ranks
+    all as the robots do, or not."""
+    rows = []
+    for seed in range(40):
+        logs = np.array([0.0] * 6 + [-0.2, -0.2])
+        logs[6 + seed % 2] -= differ
+        row = {"seed": seed, "criterion": np.full(8, 0.5), "features": np.zeros(2)}
+        row |= {"logs": np.stack((logs, logs), axis=1), "random": (0.0, 0.0)}
+        sealed = {"kind": "sealed", "nominal": logs if informed else 0.0 * logs}
+        rows += [row | sealed, row | {"kind": "development"}]
+    if words:
+        fails_by_itself(failed("tuning-tasks", rows), words)
+    else:
+        assert failed("tuning-tasks", rows) == []
 
 
 @pytest.mark.parametrize(("bad", "holds"), [(1, True), (2, False)])

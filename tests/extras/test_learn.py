@@ -19,11 +19,12 @@ TWO_LINK = assets.LARGE_ROBOT_XML.with_name("two_link.toml")
 pytest.importorskip("stable_baselines3", reason="needs the extra [learn]", exc_type=ImportError)
 
 
-def test_the_env_checker_of_stable_baselines3_has_nothing_to_say():
+@pytest.mark.parametrize("version", [0, 1])
+def test_the_env_checker_of_stable_baselines3_has_nothing_to_say(version):
     from stable_baselines3.common.env_checker import check_env  # pyright: ignore[reportMissingImports]
 
     # Warnings are errors in this suite.
-    check_env(gymnasium.make("armside/IlcTuning-v0", render_mode="rgb_array").unwrapped)
+    check_env(gymnasium.make(f"armside/IlcTuning-v{version}", render_mode="rgb_array").unwrapped)
 
 
 def test_training_writes_a_policy_that_runs_without_torch(tmp_path):
@@ -36,7 +37,7 @@ def test_training_writes_a_policy_that_runs_without_torch(tmp_path):
     assert summary["config"]["steps"] == 41
     assert summary["steps"] == curve[-1]["steps"] == 60
     assert np.isfinite([row["mean_return"] for row in curve]).all()
-    episode = run_episode(Rules(iterations=1), 0, network)
+    episode = run_episode(Rules(iterations=1, version=1), 0, network)
     assert np.isfinite(episode.rms_true).all()
 
 

@@ -5,7 +5,7 @@ from armside.scripts.studies.proposals import Pruner, Sampler
 from armside.scripts.studies.study import open_study
 from armside.sim.tuning.objective import Objective, prepare
 
-QUICK = "--pose p1 --speed 60 --payload 40 --episodes 1 --iterations 1"
+QUICK = "--pose p1 --speed 60 --payload 40 --episodes 1 --iterations 1 --alone"
 
 
 def opened(folder, config=None, sampler: Sampler = "tpe", pruner: Pruner = "none"):

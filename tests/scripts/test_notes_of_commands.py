@@ -17,9 +17,9 @@ def test_train_counts_the_limits_of_its_runs(armside, monkeypatch):
     ppo = ModuleType("armside.scripts.studies.ppo")
 
     def learn(env, steps, *, start, seed, discount, done):
-        env.reset(seed=seed, options={"speed": 0.1})
+        env.reset(seed=seed, options={"speed": 0.1, "radius": 0.005})
         env.step(np.tile(start, (env.num_envs, 1)).astype(np.float32))
-        return Network(weights=(np.zeros((50, 3)),), biases=(start,)), []
+        return Network(weights=(np.zeros((53, 3)),), biases=(start,)), []
 
     ppo.learn = learn  # pyright: ignore[reportAttributeAccessIssue]
     monkeypatch.setitem(sys.modules, "armside.scripts.studies.ppo", ppo)

@@ -2,12 +2,15 @@
 
 import importlib.util
 import os
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
+from armside.scripts.commands.train import TrainCfg
 from armside.scripts.studies.study import whole_batches
+from armside.sim.tuning.episode_task import RANGES
 from armside.sim.tuning.policies import Network
 
 
@@ -36,6 +39,13 @@ def test_actions_lie_in_the_action_space_for_one_observation_or_many():
     assert actions.dtype == np.float32
     assert np.abs(actions).max() <= 1.0
     assert actions[2] == pytest.approx(network(observed[2]))
+
+
+def test_a_policy_is_trained_on_a_reward_that_looks_past_the_last_update():
+    rules = TrainCfg().rules
+    assert rules.version == 1
+    assert rules.shapes.radius == RANGES[1].radius
+    assert replace(TrainCfg(), radius=(5.0,)).rules.shapes.radius == (0.005, 0.005)
 
 
 def test_a_file_that_is_no_policy_is_refused(tmp_path):

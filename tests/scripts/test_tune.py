@@ -3,18 +3,22 @@
 import json
 import os
 import sys
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import optuna
 import pytest
 
 from armside.scripts.commands import tune
 from armside.scripts.studies.options import TuneCfg
-from armside.scripts.studies.search import evaluate, run_trial
+from armside.scripts.studies.search import evaluate, nominal_best, random_best, run_trial
+from armside.scripts.studies.tune_report import results
 from armside.sim.laser.design import THESIS, Design
 from armside.sim.tuning import objective as tuning_objective
 from armside.sim.tuning.objective import WORST, Ratio
+from armside.sim.tuning.rules import Rules
 
 from .quick_tuning import QUICK, objective_at_p1, opened
 
@@ -25,8 +29,7 @@ def test_a_study_ends_with_its_best_design_plots_and_importances(armside, tmp_pa
     status, out, err = armside(f"tune {QUICK} --trials 10 --pruner none --sampler random --out a")
     assert (status, err) == (0, "")
     summary = json.loads((tmp_path / "a" / "summary.json").read_text())
-    done = summary["trials"]["complete"]
-    assert done == 10
+    assert summary["trials"]["complete"] + summary["trials"]["refused"] == 10
     ratios = [best["ratio"] for best in summary["bests"]]
     assert ratios == sorted(ratios, reverse=True)
     assert summary["best"] == summary["bests"][-1]
@@ -79,8 +82,78 @@ def test_motors_are_not_taken_for_the_tool(armside, tmp_path):
     assert f"true {best['ratio_true']:.3f}" in out
 
 
+def test_a_design_that_grows_is_refused_without_a_run_and_never_the_best(tmp_path):
+    """The tool is best after five updates under it, and the motors diverge."""
+    study = opened(tmp_path)
+    study.enqueue_trial({"gamma": 0.298, "delta": 19, "cutoff": 13.0})
+    with objective_at_p1(payload=40.0, episodes=1) as objective:
+        run_trial(study, partial(evaluate, objective))
+        assert objective.runs == 0
+    assert study.trials[0].user_attrs["criterion"] == pytest.approx(1.119, abs=1e-3)
+    found = results(study)
+    assert (found["best"], found["trials"]["refused"], found["trials"]["complete"]) == (None, 1, 0)
+
+
+def test_a_design_counts_by_the_worse_of_its_budget_and_of_later(monkeypatch):
+    with objective_at_p1(payload=40.0, episodes=1, iterations=1) as objective:
+
+        def ratio(factor):
+            monkeypatch.setattr(Rules, "held", lambda rules, now, _: later(now, factor))
+            return objective.ratio(THESIS).measured
+
+        assert ratio(2.0) == pytest.approx(2.0 * ratio(1.0))
+        assert ratio(0.5) == ratio(1.0)
+
+
+def later(now, factor):
+    return replace(now, measured=replace(now.measured, rms=factor * now.measured.rms))
+
+
+def test_the_gain_over_random_search_stands_at_equal_runs_with_its_interval(
+    armside, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(tune, "OTHERS", 2)
+    line = QUICK.replace("--alone", "--nominal 2")
+    status, out, _ = armside(f"tune {line} --trials 2 --pruner none --out a")
+    assert status == 0
+    summary = json.loads((tmp_path / "a" / "summary.json").read_text())
+    gain, first = summary["gain"], summary["bests"][0]
+    assert gain["low"] <= gain["ratio"] <= gain["high"]
+    assert (gain["runs"], gain["episodes"]) == (4, 2)  # two designs, one update and one run held
+    assert first["delta"] != THESIS.delta[0]  # those of the nominal robot come first
+    assert "RMS over that of random search at 4 runs" in " ".join(out.split())
+
+
+def test_the_nominal_robot_and_random_search_try_other_designs(monkeypatch):
+    """Else the search is compared with itself."""
+    tried = []
+    monkeypatch.setattr(tuning_objective.Objective, "ratio", lambda _, design: noted(tried, design))
+    with objective_at_p1(payload=40.0, episodes=1, iterations=1) as objective:
+        found = nominal_best(objective, 8, 0)
+        known, tried[:] = list(tried), []
+        random_best(objective, 0, 0)
+    assert not set(known) & set(tried)
+    assert len(found) == 3
+    assert all(objective.rules.criterion(design) < 1.0 for design in known)
+
+
+def noted(tried, design):
+    tried.append(design)
+    return Ratio(1.0, 1.0)
+
+
+def test_the_interval_of_a_gain_is_that_of_paired_differences():
+    one, other = (Ratio(1.0, 1.0, (), logs) for logs in ((0.0, -0.2), (0.1, 0.3)))
+    ratio, _, high = tuning_objective.gain(one, other)
+    assert ratio == pytest.approx(np.exp(-0.3))
+    # Student's t of one degree of freedom, and the standard error of 0.1 and 0.5.
+    assert np.log(high) == pytest.approx(-0.3 + 12.706 * 0.2, rel=1e-4)
+    assert tuning_objective.gain(one, Ratio(WORST, WORST)) == (0.0, 0.0, 0.0)
+
+
 def test_hopeless_designs_are_pruned_between_iterations():
     study = optuna.create_study(pruner=optuna.pruners.ThresholdPruner(upper=1e-3))
+    study.enqueue_trial({"gamma": 0.9, "delta": 3, "cutoff": 10.0})
     with (
         objective_at_p1(payload=40.0, episodes=1, iterations=3) as objective,
         pytest.raises(optuna.TrialPruned),
@@ -106,7 +179,7 @@ def test_where_all_designs_diverge_there_is_no_best_one(armside, tmp_path, monke
     monkeypatch.setattr(tuning_objective, "mean_ratio", lambda pairs: WORST)
     status, _, err = armside(f"tune {QUICK} --trials 6 --out a")
     assert status == 1
-    assert err.splitlines()[-1].endswith("all 6 designs that were tried to the end diverged")
+    assert err.splitlines()[-1].endswith("all 6 designs diverged, on the robot or by criterion")
     assert "Warning" not in err
     assert not (tmp_path / "a").exists()
 

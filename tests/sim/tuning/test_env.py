@@ -15,13 +15,13 @@ from gymnasium.utils.env_checker import check_env
 
 from armside.sim import tuning
 from armside.sim.laser.design import THESIS
-from armside.sim.tuning.action import Motors, action_of
-from armside.sim.tuning.episode_task import OPTIONS, TEST_SEEDS
+from armside.sim.tuning.action import VARIABLES, Motors, action_of
+from armside.sim.tuning.episode_task import OPTIONS, RANGES, TEST_SEEDS
 from armside.sim.tuning.picture import LARGEST_SHOWN, MAGNIFICATIONS, magnification
 from armside.sim.tuning.policies import always, run_episode
-from armside.sim.tuning.rules import WORST_REWARD, EnvCfg, Rules
+from armside.sim.tuning.rules import HORIZON, WORST_REWARD, EnvCfg, Rules
 
-ID = "armside/IlcTuning-v0"
+ID, V1 = "armside/IlcTuning-v0", "armside/IlcTuning-v1"
 ACTION = action_of(THESIS, Motors.SHARED)
 BOLD = np.array([1.0, -1.0, 1.0], np.float32)
 """Large gain, no shift, high cutoff."""
@@ -35,9 +35,10 @@ def test_importing_sim_registers_the_env_and_imports_no_physics():
     assert tuning.__doc__
 
 
-def test_the_env_checker_of_gymnasium_has_nothing_to_say():
+@pytest.mark.parametrize("name", [ID, V1])
+def test_the_env_checker_of_gymnasium_has_nothing_to_say(name):
     # Warnings are errors in this suite.
-    check_env(gymnasium.make(ID, render_mode="rgb_array").unwrapped)
+    check_env(gymnasium.make(name, render_mode="rgb_array").unwrapped)
 
 
 @pytest.fixture
@@ -272,6 +273,22 @@ def test_mujoco_draws_the_robot(quick, graphics):
     assert drawn.shape == (320, 640, 3)
     red, green, blue = np.moveaxis(drawn, -1, 0)
     assert ((red > green + 50) & (green > blue)).sum() > 1000  # the arm is orange
+
+
+def test_the_page_has_the_numbers_of_version_1():
+    page = (Path(__file__).parents[3] / "docs" / "tuning.md").read_text(encoding="utf-8")
+    ranges, n = RANGES[1], Rules(version=1).observation_space.shape[0]
+    low, high = (f"{1e3 * v:g}" for v in ranges.speeds)
+    small, large = (f"{1e3 * v:g}" for v in ranges.radius or ())
+    light, heavy = (f"{m:g}" for m in ranges.payloads["large"])
+    for words in (
+        f"{n} with six axes",
+        f"speed ({low} to {high} mm/s), payload ({light} to {heavy} kg)",
+        f"radius ({small} to {large} mm)",
+        f"held to update {HORIZON} ",
+        *(f"from {v.low:g} to {v.high:g}" for v in VARIABLES),
+    ):
+        assert words in page, words
 
 
 def test_the_page_names_everything_that_make_takes():

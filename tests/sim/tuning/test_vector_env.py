@@ -1,5 +1,11 @@
 """Many robots at once are the same robots."""
 
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
 import gymnasium
 import numpy as np
 import pytest
@@ -29,12 +35,45 @@ def _same(one, other):
         assert a.tobytes() == b.tobytes()
 
 
+def in_a_fresh_process(code, **environment):
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done
+
+
+def test_the_pages_own_lines_make_many_robots_in_a_fresh_process():
+    page = (Path(__file__).parents[3] / "docs" / "tuning.md").read_text(encoding="utf-8")
+    (lines,) = (b for b in re.findall(r"```python\n(.*?)```", page, re.S) if "make_vec" in b)
+    done = in_a_fresh_process(lines + "print(observations.shape, type(cells.unwrapped).__name__)")
+    assert done.stdout == "(4, 53) IlcTuningVectorEnv\n"
+
+
+def test_what_only_the_first_use_of_a_robot_waits_for_is_a_line(tmp_path):
+    code = """
+import gymnasium
+gymnasium.make("armside:armside/IlcTuning-v1")
+from armside.kinematics.cache import cached_module
+for _ in range(2):
+    cached_module("of_a_test", "key", lambda: "one = 1\\n")
+"""
+    for lines in (1, 0):
+        done = in_a_fresh_process(code, XDG_CACHE_HOME=str(tmp_path))
+        assert done.stderr.count("armside: compiling of_a_test") == lines
+
+
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
-def test_rows_are_bitwise_those_of_the_single_env_through_resets(mode):
+@pytest.mark.parametrize("name", [ID, "armside/IlcTuning-v1"])
+def test_rows_are_bitwise_those_of_the_single_env_through_resets(name, mode):
     """Against Gymnasium's own vector env over single ones: observations, rewards, ends, infos."""
-    one = SyncVectorEnv([lambda: gymnasium.make(ID, iterations=1)] * 3, autoreset_mode=mode)
+    one = SyncVectorEnv([lambda: gymnasium.make(name, iterations=1)] * 3, autoreset_mode=mode)
     many = gymnasium.make_vec(
-        ID,
+        name,
         num_envs=3,
         vectorization_mode="vector_entry_point",
         iterations=1,
