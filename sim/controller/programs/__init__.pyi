@@ -1,0 +1,12 @@
+from .correction import Corrected as Corrected
+from .correction import commanded_shift as commanded_shift
+from .correction import corrected as corrected
+from .correction import rotation_of as rotation_of
+from .correction import spans_of as spans_of
+from .new_program import automatic_spacing as automatic_spacing
+from .new_program import new_program as new_program
+from .program_text import Language as Language
+from .program_text import ProgramText as ProgramText
+from .read import read_program as read_program
+from .read import read_program_file as read_program_file
+from .tool_path import rows_of as rows_of
