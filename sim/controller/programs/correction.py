@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, eye_array
+from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 from scipy.spatial import KDTree
 
@@ -41,8 +41,8 @@ LARGEST_TURN = 0.01
 """Between the orientations of run and program [rad]. ESTIMATE"""
 APART = 1.0
 """Distance of rows, so that none is followed into the next [m]."""
-RIDGE = 1e-3
-"""Weight of an offset over that of all samples near its target."""
+SUPPORT = 0.05
+"""Weight of a target on the path of the run, over the largest, from which it is moved. ESTIMATE"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,9 +113,10 @@ def corrected(program: ProgramText, spans: Sequence[tuple[Array, Array]], R: Arr
         raise InputError(f"{name} has no linear moves within {1e3 * NEAR:g} mm of the run's path")
     foot, error = _feet(placed.path, index[used], goal[used])
     N, points, turns = _basis(program, placed, foot, R)
-    square = (N.T @ N).tocsc()
-    ridge = RIDGE * square.diagonal().max() * eye_array(len(points), format="csc")
-    offset = splu((square + ridge).tocsc()).solve(N.T @ error)
+    weight = (N.T @ N).diagonal()
+    known = np.flatnonzero(weight > SUPPORT * weight.max())
+    offset, own = np.zeros((len(points), 3)), N[:, known]
+    offset[known] = splu((own.T @ own).tocsc()).solve(own.T @ error)
     largest = float(np.linalg.norm(offset, axis=1).max())
     if largest > LARGEST_OFFSET:
         most = f"at most {1e3 * LARGEST_OFFSET:g} mm are allowed"
@@ -126,7 +127,7 @@ def corrected(program: ProgramText, spans: Sequence[tuple[Array, Array]], R: Arr
     return Corrected(
         texts=program.edited(moves),
         largest_offset=largest,
-        targets=int((abs(N).sum(axis=0) > 0.0).sum()),
+        targets=len(known),
         changed=len(changed),
         covered=float(used.mean()),
         residual=float(np.sqrt(np.mean(np.sum((error - N @ offset) ** 2, axis=1)))),

@@ -4,6 +4,7 @@ Its tool is the bare flange and its work object the robot's base, as in a run. W
 owner knows is not guessed: the header says what must be set before it runs.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -14,7 +15,7 @@ from scipy.spatial import KDTree
 from armside.arrays import Array
 from armside.kinematics.rotation import from_quaternion, to_axis_angle, to_roll_pitch_yaw
 
-from ...part.motion import CutLeg, PartMotion
+from ...part.motion import PartMotion
 from .program_text import UNIT, Language
 from .scanner import Text
 from .tool_path import Row
@@ -25,6 +26,7 @@ PER_TARGET = 20
 """Places at which a contour is fitted, for each of its targets."""
 APPROACH = 0.05
 """Height of the first point over the first contour [m], along the base's z axis."""
+SET_FIRST = "Set the axis configuration in it before it runs: its header says where"
 MOST_TARGETS = 20_000
 ENDINGS = {"rapid": ".mod", "krl": ".src", "urscript": ".script"}
 _MOVE = "    {} @, {}, {}, tool0\\WObj:=wobj0;"
@@ -96,6 +98,14 @@ class NewProgram:
     """Largest distance of its path from the contours [m]."""
     blocks_per_second: float
 
+    @property
+    def line(self) -> str:
+        """What a person has to know, in a line."""
+        targets = f"{self.targets} targets, {1e3 * self.spacing:.3g} mm apart"
+        blocks = f"up to {self.blocks_per_second:.3g} blocks/s"
+        error = f"chord error {1e6 * self.chord_error:.3g} µm"
+        return f"{self.text.name}: {targets}; {blocks}; {error}. {SET_FIRST}"
+
 
 def automatic_spacing(motion: PartMotion, pass_band: float) -> float:
     """Spacing [m] for a pass band f [Hz]: v / (2 f), at most half of the smallest radius."""
@@ -113,10 +123,13 @@ def new_program(
 
     Raises ValueError for too many targets.
     """
-    count = sum(_targets(cut, spacing) for cut in motion.cuts)
+    count = sum(_targets(cut.path.length, spacing) for cut in motion.cuts)
     if count > MOST_TARGETS:
         raise ValueError(f"{1e3 * spacing:g} mm make {count} targets, at most {MOST_TARGETS}")
-    fits = [_fitted(motion, cut, spacing) for cut in motion.cuts]
+    fits = [
+        fitted(lambda s, p=cut.path: motion.to_base(p.point(s)), cut.path.length, spacing)
+        for cut in motion.cuts
+    ]
     closest = min(float(row.spacing.min()) for row, _ in fits)
     speed, form = motion.cuts[0].asked_speed, FORMS[language]
     length, turn = 1.0 / UNIT[language], _orientation(motion, language)
@@ -154,24 +167,25 @@ def _plain(name: str) -> str:
     return "".join(c if c.isascii() and c.isprintable() else "?" for c in name)
 
 
-def _targets(cut: CutLeg, spacing: float) -> int:
-    return max(int(np.ceil(cut.path.length / spacing - 1e-9)), 3) + 1
+def _targets(length: float, spacing: float) -> int:
+    return max(int(np.ceil(length / spacing - 1e-9)), 3) + 1
 
 
-def _fitted(motion: PartMotion, cut: CutLeg, spacing: float) -> tuple[Row, float]:
-    """Control points of one cut by least squares, its ends exact, and their largest error [m]."""
-    n, length = _targets(cut, spacing), cut.path.length
-    s = np.linspace(0.0, length, PER_TARGET * n)
-    goal = motion.to_base(cut.path.point(s))
-    zones = np.full(n, spacing / 2.0)
-    targets = motion.to_base(cut.path.point(np.linspace(0.0, length, n)))
+def fitted(point: Callable[[Array], Array], length: float, spacing: float) -> tuple[Row, float]:
+    """Control points of a path by least squares, its ends exact, and their largest error [m].
+
+    point: (K, 3) [m] at arc lengths (K,) up to `length` [m]. spacing: [m], at most.
+    """
+    n = _targets(length, spacing)
+    s, zones = np.linspace(0.0, length, PER_TARGET * n), np.full(n, spacing / 2.0)
+    goal, targets = point(s), point(np.linspace(0.0, length, n))
     row = Row(moves=tuple(range(n)), targets=targets, zones=zones)
     for _ in range(4):  # places follow the length of the path, which moves less and less
         w = row.samples(spacing / PER_TARGET)
         steps = np.linalg.norm(np.diff(row.path(w), axis=0), axis=1)
         along = np.concatenate([[0.0], np.cumsum(steps)])
         N = row.basis(np.interp(s * along[-1] / length, along, w)).tocsc()
-        rest, inner = goal - N[:, [0, -1]] @ row.targets[[0, -1]], N[:, 1:-1]
+        rest, inner = goal - N[:, [0, -1]] @ targets[[0, -1]], N[:, 1:-1]
         found = splu((inner.T @ inner).tocsc()).solve(inner.T @ rest)
         row = replace(row, targets=np.vstack([targets[:1], found, targets[-1:]]))
     away = KDTree(row.path(row.samples(spacing / PER_TARGET))).query(goal)[0]
