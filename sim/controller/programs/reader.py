@@ -108,7 +108,8 @@ class Reader:
             done.append(lambda: self.add(partial(Wait, seconds=seconds), self.place(first)))
         elif first.text in self.unmoving and first.kind == "word":
             while not self.ends:
-                cursor.take()
+                if (token := cursor.take()).text in (*self.moves, *self.routine):
+                    cursor.fail(f"the end of {first} is missing before {token}", token)
         elif first.text in self.moves and first.kind == "word":
             done.append(self.move(cursor.take()))
         elif first.kind == "word" and self._called(first):
