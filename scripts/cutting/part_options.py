@@ -79,9 +79,9 @@ class CutCfg(KnownGearsCfg):
     plan_only: Annotated[bool, _OF_PLAN] = False
     """Plan and draw the plan, and move nothing."""
     as_program: Annotated[Literal["rapid", "krl", "urscript"] | None, _OF_PLAN] = None
-    """Also write the last correction as a program of linear moves. See docs/programs.md."""
+    """Write a program too. Of linear moves, with the last correction: see docs/programs.md."""
     spacing: Annotated[float | Literal["auto"], _OF_PLAN] = "auto"
-    """Distance between its targets [mm], at most. auto: speed over twice the pass band of learning
+    """Largest distance of its targets [mm]. auto: speed over twice the pass band of learning
     from the tool, and half of the smallest radius."""
     robot: str = "large"
     """large, irb1400, or a robot file (.toml) of six axes."""

@@ -39,6 +39,8 @@ LARGEST_OFFSET = 5e-3
 """[m]. ESTIMATE: three times what was seen on the large robot."""
 LARGEST_TURN = 0.01
 """Between the orientations of run and program [rad]. ESTIMATE"""
+LONGEST = 200.0
+"""[m], of all linear moves of a program."""
 APART = 1.0
 """Distance of rows, so that none is followed into the next [m]."""
 SUPPORT = 0.05
@@ -162,6 +164,9 @@ def _in_base(place: Place, points: Array, R: Array) -> Array:
 
 def _placed_rows(program: ProgramText, R: Array) -> _Placed:
     rows = tuple(rows_of(program))
+    if (length := sum(float(row.spacing.sum()) for row in rows)) > LONGEST:
+        most = f"at most {LONGEST:g} m are followed"
+        raise InputError(f"{program.program.source} has {length:.4g} m of linear moves, {most}")
     w = [row.samples() for row in rows]
     first = [program.places[row.moves[1]] for row in rows]
     each = zip(first, rows, w, strict=True)

@@ -10,7 +10,7 @@ from .scanner import Text
 from .urscript import UrScript
 
 READERS = {".mod": Rapid, ".src": Krl, ".script": UrScript}
-LARGEST = 8_000_000
+LARGEST = 4_000_000
 """[bytes]."""
 
 

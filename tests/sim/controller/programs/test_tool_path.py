@@ -97,6 +97,9 @@ def test_a_new_program_reads_back_as_its_contours(language):
     new = new_program(made, language, 0.002, rapid=0.2)
     read = read_program(new.text)
     path = np.concatenate([r.path(r.samples(2e-5)) for r in rows_of(read)])
+    if language == "urscript":  # blends must not overlap
+        (r,) = rows_of(read)
+        assert (2.0 * r.zones < np.r_[np.inf, r.spacing]).all()
     for leg in made.cuts:
         contour = made.to_base(leg.path.point(np.linspace(0.0, leg.path.length, 500)))
         away = KDTree(path).query(contour)[0].max()
@@ -117,6 +120,7 @@ def test_automatic_spacing_follows_speed_and_radius():
     assert automatic_spacing(motion(0.4), 10.0) == pytest.approx(0.0025)
 
 
+KRL = "DEF m( )\n$TOOL=$NULLFRAME\n$BASE=$NULLFRAME\n$VEL.CP=1\n{}\nEND"
 TOOL = (np.array([0.01, -0.02, 0.15]), Rotation.from_euler("y", 0.7))
 WORK = (np.array([0.8, -0.1, 0.5]), Rotation.from_euler("Z", 1.2))
 
@@ -237,6 +241,9 @@ def test_offsets_orientations_and_arcs_that_do_not_fit_are_refused():
             [(run, run)],
             R @ Rotation.from_euler("x", 2, degrees=True).as_matrix(),
         )
+    far = "\n".join(f"LIN {{X 0,Y {90000 * (i % 2)},Z 0,A 0,B 0,C 0}}" for i in range(4))
+    with pytest.raises(ValueError, match=r"270(\.\d)? m of linear moves, at most 200 m"):
+        corrected(read_program(Text("m.src", KRL.format(far))), [(run, run)], R)
     lines = text.content.splitlines()
     third = [lines[5], f"CIRC {lines[7][4:-6]},{lines[9][4:]}", *lines[10:]]
     arcs = Text("m.src", "\n".join([*lines[:5], *third]))
