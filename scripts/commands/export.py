@@ -11,13 +11,7 @@ from cyclopts import Parameter
 
 from armside.sim.controller import correction_export
 from armside.sim.controller.correction_export import RATES, Form
-from armside.sim.controller.programs import (
-    commanded_shift,
-    corrected,
-    read_program_file,
-    rotation_of,
-    spans_of,
-)
+from armside.sim.controller.programs import corrected_by, read_program_file
 from armside.sim.controller.stored_correction import StoredCorrection, stored_correction
 from armside.sim.records.atomic import write_bytes
 from armside.sim.records.files import check_file_to_write
@@ -205,12 +199,11 @@ def _export_program(report: Report, run: Path, into: Path, cfg: ExportCfg, commo
             if each.exists() and each.samefile(into.with_name(text.name)):
                 raise InputError(f"{each} is the program itself: give another --file")
             check_file_to_write(each)
-        correction, motion = stored_correction(stored, cfg.law), stored.path
+        correction = stored_correction(stored, cfg.law)
         cell = _cell(cfg, correction)
         if cell is None:
             raise InputError("a program needs a robot, and the run names none: give --robot")
-        shift = commanded_shift(correction, cell, cell_model(cell).drives)
-        made = corrected(program, spans_of(motion, shift), rotation_of(motion))
+        made = corrected_by(program, stored.path, correction, cell, cell_model(cell).drives)
     for each, text in zip(files, made.texts, strict=True):
         write_bytes(each, text.content.encode("latin-1"))
     found = {key: value for key, value in vars(made).items() if key != "texts"}

@@ -4,12 +4,9 @@ from typing import TYPE_CHECKING, Any
 
 from armside.sim.controller.programs import (
     automatic_spacing,
-    commanded_shift,
-    corrected,
+    corrected_by,
     new_program,
     read_program,
-    rotation_of,
-    spans_of,
 )
 from armside.sim.controller.stored_correction import StoredCorrection
 from armside.sim.estimation.tool_law import pass_band
@@ -50,8 +47,7 @@ def write_program(
             k=last.k,
             robot=cfg.robot,
         )
-        spans = spans_of(motion, commanded_shift(stored, what.cell, drives))
-        found = corrected(read_program(new.text), spans, rotation_of(motion))
+        found = corrected_by(read_program(new.text), motion, stored, what.cell, drives)
         (text,), largest = found.texts, found.largest_offset
         lines.append(found.line)
     (folder / text.name).write_bytes(text.content.encode("latin-1"))

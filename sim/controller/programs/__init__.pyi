@@ -1,8 +1,6 @@
 from .correction import Corrected as Corrected
-from .correction import commanded_shift as commanded_shift
 from .correction import corrected as corrected
-from .correction import rotation_of as rotation_of
-from .correction import spans_of as spans_of
+from .correction import corrected_by as corrected_by
 from .new_program import automatic_spacing as automatic_spacing
 from .new_program import new_program as new_program
 from .program_text import Language as Language

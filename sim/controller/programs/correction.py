@@ -85,15 +85,6 @@ class _Placed:
     """(P,) [m], along the path; rows are `APART`."""
 
 
-def commanded_shift(stored: StoredCorrection, cell: Cell, drives: Drives) -> Array:
-    """(N, 3) [m], base axes: what a correction, delayed and lagged by the servo, moves TCP0 by."""
-    period, delay, lag = stored.sample_time, drives.correction_delay, drives.correction_lag
-    u = correction_path(stored.correction, period, 1, delay, lag).position
-    pose, r = kinematics.compile(cell.robot).pose, stored.reference
-    moved, at = (pose(np.ascontiguousarray(phi)) for phi in (r + u, r))
-    return moved[:, :3, 3] - at[:, :3, 3]
-
-
 def corrected(program: ProgramText, spans: Sequence[tuple[Array, Array]], R: Array) -> Corrected:
     """The program on the path of a run that is moved; its other bytes as they are.
 
@@ -266,17 +257,25 @@ def _refuse_arcs(program: ProgramText, run: Array, R: Array) -> None:
             place.text.fail(place.at, reason)
 
 
-def spans_of(motion: ToolMotion | PartMotion, shift: Array) -> list[tuple[Array, Array]]:
-    """Programmed and shifted positions of TCP0 over each contour with its leads [m]."""
-    programmed = motion.position
+def corrected_by(
+    program: ProgramText,
+    motion: ToolMotion | PartMotion,
+    stored: StoredCorrection,
+    cell: Cell,
+    drives: Drives,
+) -> Corrected:
+    """The program on the path r + u of a run, u delayed and lagged as by the servo's input.
+
+    Raises as `corrected`.
+    """
+    period, delay, lag = stored.sample_time, drives.correction_delay, drives.correction_lag
+    u = correction_path(stored.correction, period, 1, delay, lag).position
+    pose, r = kinematics.compile(cell.robot).pose, stored.reference
+    moved, at = (pose(np.ascontiguousarray(phi))[:, :3, 3] for phi in (r + u, r))
+    ends = [(motion.time[0], motion.time[-1])]
     if isinstance(motion, PartMotion):
         ends = [(cut.start, cut.end) for cut in motion.cuts]
-    else:
-        ends = [(motion.rest_before, motion.motion_end)]
-    masks = [(motion.time >= first) & (motion.time <= last) for first, last in ends]
-    return [(programmed[m], (programmed + shift)[m]) for m in masks]
-
-
-def rotation_of(motion: ToolMotion | PartMotion) -> Array:
-    """(3, 3), base to TCP0, which is constant in a run."""
-    return from_quaternion(motion.quaternion[0])
+    programmed, time = motion.position, motion.time
+    masks = [(time >= first) & (time <= last) for first, last in ends]
+    spans = [(programmed[m], (programmed + moved - at)[m]) for m in masks]
+    return corrected(program, spans, from_quaternion(motion.quaternion[0]))
