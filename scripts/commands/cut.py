@@ -14,6 +14,7 @@ from armside.sim.records.summary import dumps, summary
 from ..cutting.cut_run import fail_unless_done, ready
 from ..cutting.earlier import FromCfg, save_state, started
 from ..cutting.part_options import CutCfg, drawing, part_cut
+from ..cutting.part_program import write_program
 from ..figures.part_results import show_plan, show_results, write_plan, write_results
 from ..shell.console import Report
 from ..shell.errors import checking_input
@@ -35,7 +36,7 @@ def cut(
     Writes summary.json, plan.png and, unless --plan-only, part.png, errors.png, signals.parquet of
     the first and last run, replay.rrd and state.npz (for --from, which needs no drawing).
     """
-    report, made = Report(common), None
+    report, made, lines = Report(common), None, list[str]()
     with checking_input():
         cfg, common, before = started(of.start, "cut", cfg, common)
         part = drawing(part, before)
@@ -53,6 +54,8 @@ def cut(
             about |= {} if before is None else {"started_from": before.entry}
             found = what.plan_entries()
             outcome, notes = summary("cut", cfg, common, **about, **found), found["notes"]
+            if cfg.as_program is not None:
+                lines, outcome["program"] = write_program(folder, what, cfg)
             (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
         else:
             ends = list[Iteration]()
@@ -64,11 +67,14 @@ def cut(
             notes = [*found["notes"], *of_twin]
             found |= about | entries | {"notes": notes}
             outcome = summary("cut", cfg, common, **found)
+            if cfg.as_program is not None and not ends[-1].diverged:
+                lines, outcome["program"] = write_program(folder, what, cfg, made, ends[-1])
             write_results(folder, made.experiment, ends, outcome)
     report.notes(notes)
     if made is not None:
         made.show(report, outcome)
         show_results(report, outcome)
+    report.lines(lines)
     report.results(outcome, folder.path)
     fail_unless_done(outcome)
 

@@ -14,17 +14,19 @@ from armside.sim.controller import correction_export
 from armside.sim.controller.correction_export import RATES, Form
 from armside.sim.controller.gate import Beyond, GateError, exceeded, let_through
 from armside.sim.controller.limits import GuidanceLimits
+from armside.sim.controller.programs import corrected_by, read_program_file
 from armside.sim.controller.stored_correction import StoredCorrection, stored_correction
 from armside.sim.records.atomic import write_bytes
 from armside.sim.records.files import check_file_to_write
 from armside.sim.records.stored_run import read_run
 from armside.sim.records.summary import summary
 from armside.sim.records.tables import write_table
+from armside.sim.robot.kinematics_check import cell_model
 from armside.sim.robot_file.find import find_cell, load_robot
 
 from ..shell.console import Report, keep
 from ..shell.errors import InputError, checking_input, needs
-from ..shell.options import SOME, Common, FileToWrite, Limits, options
+from ..shell.options import SOME, Common, FileToRead, FileToWrite, Limits, options
 
 if TYPE_CHECKING:
     from armside.arrays import Array
@@ -70,14 +72,19 @@ class ExportCfg:
     beyond: Annotated[tuple[Beyond, ...], SOME] = ()
     """Of a run: what is written although the gate before a robot would hold it back; the file says
     so (docs/controllers.md)."""
+    into: FileToRead = None
+    """Of a run of laser or cut: a robot's program (.mod, .src with its .dat, .script) that follows
+    its path. Its linear moves get other numbers, every other byte stays; it is written to --file,
+    or beside it as NAME-corrected. The program itself is never written over. See
+    docs/programs.md."""
 
     def __post_init__(self) -> None:
         Limits(*RATES, "Hz").check("rate", self.rate)
 
     def of_robot(self) -> "ExportCfg":
         """With the defaults for a robot. Raises ValueError for options of a run."""
-        for name in ("rate", "file", "law", "beyond"):
-            if getattr(self, name):
+        for name in ("rate", "file", "law", "beyond", "into"):
+            if getattr(self, name) not in (None, ()):
                 raise ValueError(f"--{name} is of a run: give its folder")
         made = replace(
             self,
@@ -125,6 +132,8 @@ def export(
     report = Report(common)
     if run is None:
         _export_robot(report, cfg, common)
+    elif cfg.into is not None:
+        _export_program(report, run, cfg.into, cfg, common)
     else:
         _export_correction(report, run, cfg, common)
 
@@ -183,6 +192,38 @@ def _export_correction(report: Report, run: Path, cfg: ExportCfg, common: Common
     keep(outcome, common)
     report.notes(notes)
     report.line(f"{file}: {len(joints)} samples of {names} at {rate:g} Hz, k = {stored.k}")
+    report.summary(outcome)
+
+
+def _export_program(report: Report, run: Path, into: Path, cfg: ExportCfg, common: Common) -> None:
+    with checking_input():
+        for name in ("what", "to", "rate"):
+            if getattr(cfg, name) is not None:
+                raise InputError(f"--{name} is not for --into, which writes the same language")
+        file = cfg.file or into.with_name(f"{into.stem}-corrected{into.suffix}")
+        program, stored = read_program_file(into), read_run(run)
+        files = [file, *(file.with_suffix(Path(t.name).suffix) for t in program.texts[1:])]
+        for each, text in zip(files, program.texts, strict=True):
+            if each.suffix != Path(text.name).suffix:
+                raise InputError(f"--file must end with {Path(text.name).suffix}: {each.name}")
+            if each.exists() and each.samefile(into.with_name(text.name)):
+                raise InputError(f"{each} is the program itself: give another --file")
+            check_file_to_write(each)
+        correction = stored_correction(stored, cfg.law)
+        cell = _cell(cfg, correction)
+        if cell is None:
+            raise InputError("a program needs a robot, and the run names none: give --robot")
+        beyond, notes = _let_through(run, cfg, correction, cell)
+        made = corrected_by(program, stored.path, correction, cell, cell_model(cell).drives)
+    for each, text in zip(files, made.texts, strict=True):
+        write_bytes(each, text.content.encode("latin-1"))
+    found = {key: value for key, value in vars(made).items() if key != "texts"}
+    found["notes"] = notes = [*beyond, *notes]
+    outcome = summary("export", cfg, common, run=run, written=file, **found)
+    keep(outcome, common)
+    report.notes(notes)
+    report.line(f"{file}: {made.changed} of {made.targets} targets changed")
+    report.line(made.line)
     report.summary(outcome)
 
 

@@ -46,6 +46,9 @@ OF_PLAN = OF_ROBOT | {
 }
 
 
+SPACING = Limits(0.1, 100.0, "mm")
+
+
 @options
 @dataclass(frozen=True, kw_only=True)
 class CutCfg(KnownGearsCfg):
@@ -75,6 +78,11 @@ class CutCfg(KnownGearsCfg):
     """Limit of acceleration [m/s^2]. Of the controller, along and across the path."""
     plan_only: Annotated[bool, _OF_PLAN] = False
     """Plan and draw the plan, and move nothing."""
+    as_program: Annotated[Literal["rapid", "krl", "urscript"] | None, _OF_PLAN] = None
+    """Write a program too. Of linear moves, with the last correction: see docs/programs.md."""
+    spacing: Annotated[float | Literal["auto"], _OF_PLAN] = "auto"
+    """Largest distance of its targets [mm]. auto: speed over twice the pass band of learning
+    from the tool, and half of the smallest radius."""
     robot: str = "large"
     """large, irb1400, or a robot file (.toml) of six axes."""
     model: FileToRead = None
@@ -102,6 +110,10 @@ class CutCfg(KnownGearsCfg):
             needs = f"cut plans with six axes, {self.robot} has {n}"
             raise ValueError(f"{needs}: cut its contours one by one with armside laser --contour")
         check_limits(self, OF_PLAN)
+        if self.spacing != "auto":
+            SPACING.check("spacing", self.spacing)
+            if self.as_program is None:
+                raise ValueError("spacing is of --as-program: give that too")
 
 
 def drawing(file: Path | None, before: Earlier | None) -> Path:

@@ -83,7 +83,9 @@ def _label(entry: "HelpEntry") -> str:
 
 
 def _short(text: str) -> str:
-    return re.sub(r"\b(?:" + "|".join(VALUES) + r")\b", lambda found: VALUES[found[0]], text)
+    return re.sub(r"\b(?:" + "|".join(VALUES) + r")\b", lambda found: VALUES[found[0]], text).strip(
+        "|"
+    )
 
 
 def first_clause(text: str) -> str:

@@ -1,0 +1,10 @@
+from .correction import Corrected as Corrected
+from .correction import corrected as corrected
+from .correction import corrected_by as corrected_by
+from .new_program import automatic_spacing as automatic_spacing
+from .new_program import new_program as new_program
+from .program_text import Language as Language
+from .program_text import ProgramText as ProgramText
+from .read import read_program as read_program
+from .read import read_program_file as read_program_file
+from .tool_path import rows_of as rows_of

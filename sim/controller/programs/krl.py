@@ -1,0 +1,213 @@
+"""KRL of KUKA: E6POS, E6AXIS, LIN, CIRC, PTP, also as its inline forms leave them.
+
+Conventions by KUKA's manuals: X, Y, Z [mm], A, B, C [deg] with R = Rz(A) Ry(B) Rx(C), $VEL.CP
+[m/s], $APO.CDIS [mm], at most half of the distance to a point. A blend of PTP is in percent, has no
+length, and is read as none.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import ClassVar
+
+import numpy as np
+
+from armside.kinematics.rotation import from_roll_pitch_yaw, to_quaternion
+
+from ...motion.instructions import Move, MoveC, MoveJ, MoveL, Speed, Target
+from .program_text import Aim, Frame
+from .reader import Reader, Statement
+from .scanner import NUMBER, Group, Number, Token, Value
+
+MM = 1e-3
+TYPES = {"decl", "global", "const", "e6pos", "pos", "frame", "e6axis", "axis", "ldat", "pdat"}
+TYPES |= {"fdat", "int", "real", "bool", "char"}
+UNMOVING = {"$advance", "$acc.cp", "$acc.ori1", "$acc.ori2", "$acc_axis", "$bwdstart", "$out"}
+UNMOVING |= {"$anout", "$vel.ori1", "$vel.ori2", "$ori_type", "$circ_type", "pdat_act", "$h_pos"}
+UNMOVING |= {"$apo.cptp", "$apo.cvel", "$apo.cori"}
+"""Variables that leave the path of LIN and CIRC, blended by C_DIS, as it is."""
+BAS = {"#vel_cp": "$vel.cp", "#cp_params": "$vel.cp", "#vel_ptp": "$vel_axis"}
+BAS |= {"#ptp_params": "$vel_axis", "#tool": "tool_no", "#base": "base_no"}
+BAS |= dict.fromkeys(("#initmov", "#acc_cp", "#acc_ptp", "#ptp_dat", "#cp_dat", "#frames"), "")
+POSE, AXES = ("x", "y", "z", "a", "b", "c"), ("a1", "a2", "a3", "a4", "a5", "a6")
+
+
+class Krl(Reader):
+    """Reader of a `.src`, with its `.dat` where there is one."""
+
+    language = "krl"
+    grammar = (
+        r"(?P<skip>[ \t\r\f]+|;[^\n]*|^&[^\n]*)|(?P<newline>\n)|"
+        r"(?P<string>\"[^\"\n]*\"|'[BHbh][0-9A-Fa-f]+')|"
+        + NUMBER
+        + r"|(?P<word>[#$]?[A-Za-z_][A-Za-z_0-9$]*(?:\.[A-Za-z_][A-Za-z_0-9]*)*)"
+        r"|(?P<sign>==|[\[\](),:{}+\-*/=<>?])"
+    )
+    end = ("newline",)
+    routine, call, wait = ("def", "end"), ("(", ")"), ("wait", "sec")
+    moves: ClassVar[Mapping[str, type[Move]]] = {"ptp": MoveJ, "lin": MoveL, "circ": MoveC}
+    unmoving = frozenset(("ext", "extfct"))
+
+    def file(self) -> list[Statement]:
+        cursor = self.cursor
+        while cursor.next.kind == "newline":
+            cursor.take()
+        if not cursor.has("defdat"):
+            return self.body("")
+        cursor.take("word")
+        cursor.has("public")
+        found = self.body("enddat")
+        return found + self.body("")
+
+    def statement(self, first: Token) -> list[Statement]:
+        cursor = self.cursor
+        cursor.has("global")
+        if cursor.has("interrupt"):  # the stop message of every program is understood, no other
+            if cursor.has("decl"):
+                while not self.ends and cursor.next.text != "ir_stopm":
+                    cursor.take()
+                cursor.expect("ir_stopm", "(", ")")
+            else:
+                cursor.expect("on")
+                cursor.number()
+            return []
+        return super().statement(first)
+
+    def declaration(self, first: Token) -> list[Statement]:
+        """Type, names and value of a variable; its value alone; or BAS(#NAME, value)."""
+        cursor = self.cursor
+        if cursor.has("bas", "("):
+            name = cursor.take("word")
+            if name.text not in BAS:
+                cursor.fail(f"{name} is not understood", name)
+            number = cursor.number() if cursor.has(",") else Number(0.0, first.text_of, 0, 0)
+            cursor.expect(")")
+            return [lambda: self._set(BAS[name.text], number, name)]
+        declared = False
+        while cursor.next.text in TYPES:
+            cursor.take()
+            declared = True
+        at, variable = cursor.next, self._name()
+        while declared and cursor.has(","):
+            variable = self._name()
+        if declared and self.ends:
+            return []
+        if not cursor.has("="):
+            cursor.fail(f"{first} is not understood", first)
+        value = self._value()
+        return [lambda: self._set(variable, value, at)]
+
+    def _name(self) -> str:
+        """A name, with its index where it has one."""
+        name = self.cursor.take("word").text
+        if not self.cursor.has("[") or self.cursor.has("]"):
+            return name
+        index = self.cursor.number().value
+        self.cursor.expect("]")
+        return f"{name}[{index:g}]"
+
+    def _value(self) -> Value:
+        first = self.cursor.next
+        if first.kind == "word":
+            return first._replace(text=self._name())
+        return self.cursor.value("{}")
+
+    def _set(self, name: str, value: Value, at: Token) -> None:
+        base = name.partition("[")[0]
+        match base:
+            case "$tool" | "tool_no":
+                self.tool = self._frame(value, "tool_data")
+            case "$base" | "base_no":
+                self.base = self._frame(value, "base_data")
+            case "fdat_act" | "ldat_act":
+                fields = self._fields(value, ())
+                for field, to in (("tool_no",) * 2, ("base_no",) * 2, ("apo_dist", "$apo.cdis")):
+                    if field in fields:
+                        self._set(to, fields[field], at)
+            case "$ipo_mode":
+                if not isinstance(value, Token) or value.text != "#base":
+                    self.refuse(value, "$IPO_MODE must be #BASE")
+            case "$vel.cp" | "$apo.cdis" | "$vel_axis":
+                self.data[base] = self.number(value)
+            case _:
+                if base and base not in UNMOVING and (base[0] == "$" or "." in base):
+                    self.refuse(at, f"{at} is not understood")
+                self.data[name] = value
+
+    def _frame(self, value: Value, numbered: str) -> Frame:
+        """$NULLFRAME, a frame, or one by number, of which 0 is the flange or the robot's base."""
+        if isinstance(value, Number):
+            if value.value == 0.0:
+                return Frame(f"{numbered}[0]")
+            value = Token("word", f"{numbered}[{value.value:g}]", value.text_of, value.start, 0)
+        name = value.text if isinstance(value, Token) else numbered
+        if name == "$nullframe":
+            return Frame(name)
+        known = not isinstance(value, Token) or name in self.data
+        return Frame(name, self._aim(value).pose if known else None)
+
+    def move(self, first: Token) -> Statement:
+        cursor, joint = self.cursor, first.text == "ptp"
+        to = [self._target()]
+        if first.text == "circ":
+            cursor.expect(",")
+            to.append(self._target())
+        percent = joint and cursor.has("c_ptp")
+        blended = cursor.has("c_dis") and not percent
+
+        def add() -> None:
+            ends = [target() for target in to]
+
+            def make() -> Move:
+                if joint:
+                    speed = Speed(share=self._given("$vel_axis", 100.0) / 100.0)
+                else:
+                    speed = Speed(path=self._given("$vel.cp"))
+                zone = MM * self._given("$apo.cdis") if blended else 0.0
+                return self.motion(first, ends, speed, zone)
+
+            self.add(make, self.place(first, ends[-1]))
+
+        return add
+
+    def _given(self, name: str, default: float | None = None) -> float:
+        if isinstance(value := self.data.get(name), Number):
+            return value.value
+        if default is None:
+            raise ValueError(f"{name.upper()} is not set before it")
+        return default
+
+    def _target(self) -> Callable[[], "Aim | Target"]:
+        """Position or axes; P:{X ..} is an offset in the axes of P."""
+        given = self._value()
+        by = self.cursor.value("{}") if self.cursor.has(":") else None
+        return partial(self._end, given, by)
+
+    def _end(self, given: Value, by: Value | None) -> "Aim | Target":
+        if "a1" in self._fields(given, ()):
+            angles = self._fields(given, AXES)
+            return Target(motors=tuple(np.radians([self.number(angles[n]).value for n in AXES])))
+        aim = self._aim(given)
+        if by is None:
+            return aim
+        offset = {"a": 0.0, "b": 0.0, "c": 0.0}
+        offset |= {k: self.number(v).value for k, v in self._fields(by, POSE[:3]).items()}
+        if any(offset[n] != 0.0 for n in "abc"):
+            self.refuse(by, "an offset must not turn")
+        return aim.moved(aim.pose[:3, :3] @ [MM * offset[n] for n in "xyz"])
+
+    def _aim(self, given: Value) -> Aim:
+        fields = self._fields(given, POSE)
+        x, y, z, *angles = (self.number(fields[n]) for n in POSE)
+        R = from_roll_pitch_yaw(np.radians([number.value for number in angles]))
+        external = tuple(self.number(fields[n]) for n in sorted(fields) if n.startswith("e"))
+        return Aim.of((x, y, z), to_quaternion(R), MM, external)
+
+    def _fields(self, given: Value, needed: Sequence[str]) -> dict[str, Value]:
+        """Fields of a value in braces, or of a name for it."""
+        value = self.named(given)
+        if not isinstance(value, Group):
+            self.refuse(given, "a value in braces is expected")
+        fields = dict(zip(value.names, value.items, strict=True))
+        if missing := [n.upper() for n in needed if n not in fields]:
+            self.refuse(value, f"{', '.join(missing)} must be given")
+        return fields

@@ -1,0 +1,211 @@
+"""What the languages have in common: statements, routines, waits, and the moves they end up in.
+
+A text is parsed whole, and refused where it is not understood. Then its statements are carried out
+in their order, as the controller does: what a move refers to is what is set by then.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import ClassVar, NoReturn
+
+from ...motion.instructions import (
+    Instruction,
+    Move,
+    MoveC,
+    MoveJ,
+    MoveL,
+    Program,
+    ProgramError,
+    Speed,
+    Target,
+    Wait,
+)
+from .program_text import Aim, Frame, Language, Place, ProgramText
+from .scanner import Cursor, Number, Text, Token, Value
+
+MOST_MOVES = 100_000
+DEEPEST_CALL = 30
+Statement = Callable[[], object]
+
+
+class Reader:
+    """Reader of one language; a language adds its grammar, its declarations and its moves."""
+
+    language: ClassVar[Language]
+    grammar: ClassVar[str]
+    fold: ClassVar[bool] = True
+    end: ClassVar[tuple[str, ...]]
+    """Signs, or kinds of tokens, that end a statement."""
+    routine: ClassVar[tuple[str, str]]
+    """Words before and after a routine."""
+    call: ClassVar[tuple[str, ...]]
+    """Signs after the name of a routine that is called."""
+    wait: ClassVar[tuple[str, ...]]
+    moves: ClassVar[Mapping[str, type[Move]]]
+    unmoving: ClassVar[frozenset[str]]
+    """Instructions that leave path and speed of the program as they are."""
+
+    def __init__(self, texts: Sequence[Text]) -> None:
+        self.texts, self.cursor = tuple(texts), Cursor(texts[0], self.grammar, self.fold)
+        self.data = dict[str, Value | Aim]()
+        self.routines = dict[str, list[Statement]]()
+        self.instructions, self.places = list[Instruction](), list[Place]()
+        self.tool, self.base, self.depth = Frame("tool"), Frame("base"), 0
+
+    def read(self) -> ProgramText:
+        """The program. Raises ProgramError with file, line and column."""
+        top = list[Statement]()
+        for text in reversed(self.texts):  # data before what uses them
+            self.cursor = Cursor(text, self.grammar, self.fold)
+            top += self.file()
+        for statement in top:
+            statement()
+        entry = "main" if "main" in self.routines else next(iter(self.routines), "")
+        if not self.places and entry:
+            self.run(entry, Token("word", entry, self.texts[0], 0, 0))
+        lines = tuple(place.text.line(place.at) for place in self.places)
+        name, made = self.texts[0].name, tuple(self.instructions)
+        return ProgramText(
+            language=self.language,
+            texts=self.texts,
+            program=Program(instructions=made, source=name, lines=lines),
+            places=tuple(self.places),
+            entry=entry,
+        )
+
+    def file(self) -> list[Statement]:
+        """Statements of one file outside of its routines."""
+        return self.body("")
+
+    def body(self, last: str) -> list[Statement]:
+        """Statements up to a word, which is read, or to the end of the file."""
+        cursor, found = self.cursor, list[Statement]()
+        while True:
+            while cursor.next.kind == "newline":
+                cursor.take()
+            if last and cursor.has(last):
+                return found
+            if cursor.next.kind == "end":
+                if last:
+                    cursor.expect(last)
+                return found
+            found += self.statement(cursor.next)
+
+    def statement(self, first: Token) -> list[Statement]:
+        """What one statement does. Raises ProgramError where it is not understood."""
+        cursor, done = self.cursor, list[Statement]()
+        if cursor.has(self.routine[0]):
+            name = cursor.take("word")
+            if name.text in self.routines:
+                cursor.fail(f"{name} is there twice", name)
+            self.routine_head()
+            self.routines[name.text] = []
+            self.routines[name.text] += self.body(self.routine[1])
+            return []
+        if cursor.has(*self.wait):
+            seconds = cursor.number().value
+            cursor.has(")")
+            done.append(lambda: self.add(partial(Wait, seconds=seconds), self.place(first)))
+        elif first.text in self.unmoving and first.kind == "word":
+            while not self.ends:
+                if (token := cursor.take()).text in (*self.moves, *self.routine):
+                    cursor.fail(f"the end of {first} is missing before {token}", token)
+        elif first.text in self.moves and first.kind == "word":
+            done.append(self.move(cursor.take()))
+        elif first.kind == "word" and self._called(first):
+            done.append(lambda: self.run(first.text, first))
+        else:
+            done += self.declaration(first)
+        if not self.ends:
+            cursor.fail(f"the end of the statement is expected, not {cursor.next}")
+        if cursor.next.kind != "end":
+            cursor.take()
+        return done
+
+    @property
+    def ends(self) -> bool:
+        """The statement ends here."""
+        token = self.cursor.next
+        return token.text in self.end or token.kind in (*self.end, "end")
+
+    def _called(self, first: Token) -> bool:
+        """A routine's name and call, and the end of the statement; nothing is read if not."""
+        start, found = self.cursor.at, self.cursor.has(first.text, *self.call)
+        if not (found and self.ends):
+            self.cursor.at = start
+        return found and self.ends
+
+    def routine_head(self) -> None:
+        """What follows the name of a routine."""
+        self.cursor.expect("(", ")")
+
+    def move(self, first: Token) -> Statement:
+        """A move, whose word has been read."""
+        raise NotImplementedError
+
+    def motion(self, first: Token, ends: Sequence[Aim | Target], speed: Speed, zone: float) -> Move:
+        """Move to the last of its ends: poses, or joint angles."""
+        kind, end = self.moves[first.text], ends[-1]
+        to = end.target if isinstance(end, Aim) else end
+        if kind is MoveL or kind is MoveJ:
+            return kind(to=to, speed=speed, zone=zone)
+        if not isinstance(ends[0], Aim):
+            raise ValueError("MoveC needs two positions")
+        x, y, z = map(float, ends[0].pose[:3, 3])
+        return MoveC(to=to, speed=speed, zone=zone, via=(x, y, z))
+
+    def declaration(self, first: Token) -> list[Statement]:
+        """A declaration or an assignment, which is all that is left."""
+        raise NotImplementedError
+
+    def run(self, name: str, at: Token) -> None:
+        """Carry out a routine."""
+        if name not in self.routines:
+            known = ", ".join(list(self.routines)[:8]) or "none"
+            self.refuse(at, f"{name} is not in the file. Routines: {known}")
+        self.depth += 1
+        if self.depth > DEEPEST_CALL:
+            self.refuse(at, f"{name} is called {DEEPEST_CALL} deep, or by itself")
+        for statement in self.routines[name]:
+            statement()
+        self.depth -= 1
+
+    def add(self, make: Callable[[], Instruction], place: Place) -> None:
+        """Add an instruction; what its class refuses is refused at its place."""
+        try:
+            self.instructions.append(make())
+        except ProgramError:
+            raise
+        except ValueError as error:
+            place.text.fail(place.at, str(error))
+        self.places.append(place)
+        if len(self.places) > MOST_MOVES:
+            place.text.fail(place.at, f"a program has at most {MOST_MOVES} moves")
+
+    def place(self, at: Token, end: Aim | Target | None = None) -> Place:
+        """Of an instruction, with tool and work object as they are set."""
+        aim = end if isinstance(end, Aim) else None
+        base = aim.base if aim and aim.base else self.base
+        return Place(text=at.text_of, at=at.start, aim=aim, tool=self.tool, base=base)
+
+    def number(self, given: Value | Aim, at: Token | None = None) -> Number:
+        """A number, or the value of its name."""
+        value = self.named(given) if isinstance(given, Token) else given
+        if not isinstance(value, Number):
+            self.refuse(at or given, "a number is expected")
+        return value
+
+    def refuse(self, at: Value | Aim | Token, reason: str) -> NoReturn:
+        """Raise ProgramError at a value."""
+        at = at.point[0] if isinstance(at, Aim) else at
+        at.text_of.fail(at.start, reason)
+
+    def named(self, given: Value | Aim) -> Value | Aim:
+        """A value, or that of its name."""
+        for _ in range(DEEPEST_CALL):
+            if not isinstance(given, Token):
+                break
+            if given.text not in self.data:
+                self.refuse(given, f"{given} is not declared in the file")
+            given = self.data[given.text]
+        return given

@@ -1,0 +1,162 @@
+"""Path of the tool over a program's moves: lines, arcs, and a parabola in the zone of a target.
+
+The parabola leaves the line to a target P_i at the distance of its zone, and joins the line from it
+there: it is the quadratic Bezier curve with P_i in its middle. Makers say so of RAPID ("a corner
+path, parabola"); of KRL and URScript it is assumed. A zone is at most half of the distance to the
+next and the last target. So a row of MoveL is linear in its targets, path(w) = N(w) P, and with
+zones of half the spacing it is the uniform quadratic B-spline with the targets as control points.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_array
+
+from armside.arrays import Array
+
+from ...motion.instructions import MoveC, MoveL, Wait
+from .program_text import Place, ProgramText
+
+STEP = 1e-4
+"""Between samples of a path [m]."""
+SHORT = 1e-9
+"""Distance of targets that are one [m]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """Consecutive linear moves in one work object, from the target before them to the last."""
+
+    moves: tuple[int, ...]
+    """Index of the instruction that ends at each target; the first ends at the start."""
+    targets: Array = field(repr=False)
+    """P, (M, 3) [m], in the work object."""
+    zones: Array = field(repr=False)
+    """(M,) [m], as programmed."""
+
+    def __post_init__(self) -> None:
+        self.targets.setflags(write=False)
+
+    @property
+    def spacing(self) -> Array:
+        """(M - 1,) [m], between targets."""
+        return np.linalg.norm(np.diff(self.targets, axis=0), axis=1)
+
+    @property
+    def fractions(self) -> Array:
+        """(M, 2), zone over the distance to the target before and after, at most a half."""
+        before = np.concatenate([[np.inf], self.spacing])
+        after = np.concatenate([self.spacing, [np.inf]])
+        size = np.minimum(self.zones, 0.5 * np.minimum(before, after))
+        size[[0, -1]] = 0.0  # it starts and ends at its ends
+        return np.stack([size / np.maximum(before, SHORT), size / np.maximum(after, SHORT)], axis=1)
+
+    @property
+    def n_pieces(self) -> int:
+        """A parabola at each target and a line between: w runs from 0 to this."""
+        return 2 * len(self.targets) - 3
+
+    def basis(self, w: ArrayLike) -> csr_array:
+        """N(w), (K, M), sparse, of w (K,): pieces are unit intervals of w, lines first."""
+        w = np.asarray(w, dtype=np.float64)
+        piece = np.clip(w.astype(int), 0, self.n_pieces - 1)
+        x, i, f = w - piece, piece // 2, self.fractions
+        middle = i + piece % 2  # the parabola of piece 2 i + 1 is about target i + 1
+        last = len(self.targets) - 1
+        before, after = np.maximum(middle - 1, 0), np.minimum(middle + 1, last)
+        f_in, f_out = f[middle, 0], f[middle, 1]
+        a, b, c = (1 - x) ** 2, 2 * x * (1 - x), x**2
+        # Control points of a parabola: P + f_in (P_before - P), P, P + f_out (P_after - P).
+        curved = (a * f_in, a * (1 - f_in) + b + c * (1 - f_out), c * f_out)
+        # A line from P_i + f_out (P_i+1 - P_i) to P_i+1 + f_in (P_i - P_i+1).
+        along = f_out + x * (1.0 - f[after, 0] - f_out)
+        straight = (np.zeros_like(x), 1 - along, along)
+        line = piece % 2 == 0
+        weights = [np.where(line, s, c) for s, c in zip(straight, curved, strict=True)]
+        rows = np.tile(np.arange(len(w)), 3)
+        columns = np.concatenate([before, middle, after])
+        shape = (len(w), len(self.targets))
+        return csr_array((np.concatenate(weights), (rows, columns)), shape=shape)
+
+    def path(self, w: ArrayLike) -> Array:
+        """N(w) P, (K, 3) [m]."""
+        return self.basis(w) @ self.targets
+
+    def samples(self, step: float = STEP) -> Array:
+        """w at even fractions of each piece, at most `step` [m] apart along the polygon."""
+        f, spacing = self.fractions, self.spacing
+        lines = spacing * (1.0 - f[:-1, 1] - f[1:, 0])
+        parabolas = f[1:-1, 0] * spacing[:-1] + f[1:-1, 1] * spacing[1:]
+        length = np.empty(self.n_pieces)
+        length[::2], length[1::2] = lines, parabolas
+        parts = np.ceil(length / step).astype(int)
+        grids = [k + np.arange(n) / n for k, n in enumerate(parts) if n]
+        return np.concatenate([*grids, [float(self.n_pieces)]])
+
+
+def rows_of(program: ProgramText) -> list[Row]:
+    """Rows of MoveL, each from the target before it, in their order."""
+    moves, places = program.program.instructions, program.places
+    found, current = list[list[int]](), list[int]()
+    for i, move in enumerate(moves):
+        if isinstance(move, Wait):
+            current = current[-1:]  # it rests there, and goes on
+        elif places[i].aim is None:
+            current = []
+        elif current and isinstance(move, MoveL) and _joined(places[current[-1]], places[i]):
+            current.append(i)
+            found += [current] if len(current) == 2 else []
+        else:
+            current = [i]
+    return [
+        Row(
+            moves=tuple(row),
+            targets=np.array([program.program.move(i).to.position for i in row]),
+            zones=np.array([program.program.move(i).zone for i in row]),
+        )
+        for row in found
+    ]
+
+
+def _joined(a: Place, b: Place) -> bool:
+    assert a.aim is not None and b.aim is not None  # noqa: PT018
+    apart = a.aim.pose[:3, 3] - b.aim.pose[:3, 3]
+    return a.tool.same(b.tool) and a.base.same(b.base) and float(np.linalg.norm(apart)) > SHORT
+
+
+def arcs_of(program: ProgramText, step: float = STEP) -> dict[int, Array]:
+    """Points (K, 3) [m] of each MoveC by its index, in its work object.
+
+    The whole arc: zones at its ends are not modelled. Raises ProgramError for one without a start.
+    """
+    found = dict[int, Array]()
+    for i, move in enumerate(program.program.instructions):
+        if isinstance(move, MoveC):
+            place, before = program.places[i], program.places[i - 1].aim if i else None
+            if before is None:
+                place.text.fail(place.at, "an arc needs a position before it")
+            start, end = (aim.pose[:3, 3] for aim in (before, place.aim) if aim is not None)
+            try:
+                found[i] = arc(start, np.array(move.via), end, step)
+            except ValueError as error:
+                place.text.fail(place.at, str(error))
+    return found
+
+
+def arc(start: Array, via: Array, end: Array, step: float = STEP) -> Array:
+    """Points (K, 3) [m] of the circle through three points, from start through via to end.
+
+    Raises ValueError for points on a line.
+    """
+    a, b = via - start, end - start
+    normal = np.cross(a, b)
+    if (square := normal @ normal) <= 1e-18 * (a @ a) * (b @ b) or not square > 0.0:
+        raise ValueError("three points of an arc must not lie on a line")
+    centre = start + np.cross((a @ a) * b - (b @ b) * a, normal) / (2.0 * square)
+    x = start - centre
+    y = np.cross(normal / np.sqrt(square), x)
+    angle = np.mod(np.arctan2((end - centre) @ y, (end - centre) @ x), 2.0 * np.pi)
+    n = int(np.ceil(angle * np.sqrt(x @ x) / step)) + 1
+    t = np.linspace(0.0, angle, max(n, 2))[:, np.newaxis]
+    return centre + np.cos(t) * x + np.sin(t) * y

@@ -1,0 +1,160 @@
+"""URScript of Universal Robots: movel, movec, movej, movep, poses p[x, y, z, rx, ry, rz].
+
+Conventions by "The URScript programming language": m, rad, rotation vector; v [m/s] of the tool,
+[rad/s] in movej; r, the radius of a blend [m]. Blends must not overlap.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import ClassVar
+
+import numpy as np
+
+from armside.kinematics.rotation import from_axis_angle, to_quaternion
+
+from ...motion.instructions import Move, MoveC, MoveJ, MoveL, Speed, Target
+from .program_text import Aim, Frame
+from .reader import Reader, Statement
+from .scanner import NUMBER, Group, Token, Value
+
+ARGUMENTS = {"movel": "a v t r", "movej": "a v t r", "movep": "a v r", "movec": "a v r mode"}
+"""After the targets, in their order."""
+SPEED, JOINT_SPEED = 0.25, 1.05
+"""v where it is not given [m/s], [rad/s], by the manual."""
+HIGHEST = np.pi
+"""Highest speed of a joint [rad/s]. ESTIMATE: 180 deg/s, as of the wrists."""
+NO_TURN = 1e-12
+Made = Callable[[], "Value | Aim"]
+
+
+class UrScript(Reader):
+    """Reader of a script: its lines, or its first function where it calls none."""
+
+    language = "urscript"
+    grammar = (
+        r"(?P<skip>[ \t\r\f]+|#[^\n]*)|(?P<newline>\n)|(?P<string>\"[^\"\n]*\")|"
+        + NUMBER
+        + r"|(?P<word>[A-Za-z_][A-Za-z_0-9]*)|(?P<sign>==|[\[\](),:{}+\-*/=<>?])"
+    )
+    fold: ClassVar[bool] = False
+    end = ("newline",)
+    routine, call, wait = ("def", "end"), ("(", ")"), ("sleep", "(")
+    moves: ClassVar[Mapping[str, type[Move]]] = {
+        "movel": MoveL,
+        "movep": MoveL,
+        "movec": MoveC,
+        "movej": MoveJ,
+    }
+    unmoving = frozenset(
+        [f"set_{kind}digital_out" for kind in ("", "standard_", "configurable_", "tool_")]
+        + ["set_payload", "set_payload_mass", "set_payload_cog", "set_gravity", "textmsg"]
+        + ["set_analog_out", "set_standard_analog_out"]
+    )
+
+    def file(self) -> list[Statement]:
+        self.tool = Frame("the installation's TCP", None)
+        return self.body("")
+
+    def routine_head(self) -> None:
+        self.cursor.expect("(", ")", ":")
+
+    def declaration(self, first: Token) -> list[Statement]:
+        cursor = self.cursor
+        if cursor.has("set_tcp", "("):
+            value = self._value()
+            cursor.expect(")")
+            return [lambda: self._set_tool(self._aim(value(), first))]
+        for word in ("global", "local"):
+            cursor.has(word)
+        name = cursor.take("word").text
+        if not cursor.has("="):
+            cursor.fail(f"{first} is not understood", first)
+        value = self._value()
+        return [lambda: self.data.update({name: value()})]
+
+    def _set_tool(self, aim: Aim) -> None:
+        self.tool = Frame("the TCP that is set", aim.pose)
+
+    def _value(self, depth: int = 0) -> Made:
+        """Number, name, [joints], p[pose], pose_add(P, p[..]) or pose_trans(F, P)."""
+        cursor, first = self.cursor, self.cursor.next
+        if depth > 2:
+            cursor.fail("functions are at most 2 deep")
+        if first.kind == "word" and cursor.tokens[cursor.at + 1].text == "[" and cursor.has("p"):
+            pose = cursor.value()
+            return lambda: self._pose(pose)
+        if first.text not in ("pose_add", "pose_trans"):
+            value = cursor.value()
+            return lambda: self.named(value)
+        cursor.take()
+        cursor.expect("(")
+        left = self._value(depth + 1)
+        cursor.expect(",")
+        right = self._value(depth + 1)
+        cursor.expect(")")
+        return lambda: self._sum(first, self._aim(left(), first), self._aim(right(), first))
+
+    def _pose(self, given: Value) -> Aim:
+        assert isinstance(given, Group)
+        numbers = given.numbers(6, "a pose")
+        vector = np.array([number.value for number in numbers[3:]])
+        angle = float(np.linalg.norm(vector))
+        R = from_axis_angle(vector, angle) if angle else np.eye(3)
+        return Aim.of(numbers[:3], to_quaternion(R), 1.0)
+
+    def _sum(self, name: Token, a: Aim, b: Aim) -> Aim:
+        if a.base is not None or b.base is not None:
+            self.refuse(name, "a feature in a feature is not understood")
+        if name.text == "pose_trans":
+            return replace(b, base=Frame("the feature", a.pose))
+        if np.abs(b.pose[:3, :3] - np.eye(3)).max() > NO_TURN:
+            self.refuse(name, "an offset must not turn")
+        return a.moved(b.pose[:3, 3])
+
+    def move(self, first: Token) -> Statement:
+        cursor, names = self.cursor, ARGUMENTS[first.text].split()
+        cursor.expect("(")
+        to, given = [self._value()], dict[str, Made]()
+        if first.text == "movec":
+            cursor.expect(",")
+            to.append(self._value())
+        while cursor.has(","):
+            free = [name for name in names if name not in given]
+            key = (
+                cursor.next.text if cursor.tokens[cursor.at + 1].text == "=" else "".join(free[:1])
+            )
+            if key not in free:
+                cursor.fail(f"{first} has {', '.join(names)}, each once")
+            cursor.has(key, "=")
+            given[key] = self._value()
+        cursor.expect(")")
+
+        def add() -> None:
+            values = {name: self.number(value(), first).value for name, value in given.items()}
+            if values.get("t"):
+                self.refuse(first, "a time in place of a speed is not understood")
+            ends = [self._end(target(), first) for target in to]
+            place = self.place(first, ends[-1])
+            if not all(self.place(first, end).base.same(place.base) for end in ends):
+                self.refuse(first, "both poses must be in one feature")
+
+            def make() -> Move:
+                if first.text == "movej":
+                    speed = Speed(share=min(values.get("v", JOINT_SPEED) / HIGHEST, 1.0))
+                else:
+                    speed = Speed(path=values.get("v", SPEED))
+                return self.motion(first, ends, speed, values.get("r", 0.0))
+
+            self.add(make, place)
+
+        return add
+
+    def _end(self, given: "Value | Aim", at: Token) -> Aim | Target:
+        if at.text != "movej" or not isinstance(given, Group):
+            return self._aim(given, at)
+        return Target(motors=tuple(n.value for n in given.numbers(6, "joint angles")))
+
+    def _aim(self, value: "Value | Aim", at: Token) -> Aim:
+        if not isinstance(value, Aim):
+            self.refuse(at, f"{at} needs a pose p[...]")
+        return value
