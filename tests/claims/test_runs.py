@@ -36,6 +36,7 @@ from . import (
     laser,
     laser_irb1400,
     long_way,
+    programs,
     robots,
 )
 from ._engine import Rows, judged, tabled
@@ -85,6 +86,12 @@ def test_chapter_9_holds_on_the_virtual_robot():
 def test_an_outline_of_700_mm_is_learned_from_the_estimate():
     """One cut of a seed of development."""
     assert failing(table_of(long_way, [(100, "p2", "300 x 80 mm, 80 mm/s")])) == []
+
+
+def test_a_program_keeps_most_of_a_correction():
+    """Seed 100 is none of those that judge; the same bars."""
+    table = table_of(programs, [(100, "circle, radius 5 mm, 40 mm/s")])
+    assert failing(table) == []
 
 
 def test_two_axes_learn_from_the_estimate_as_from_the_tracker():
