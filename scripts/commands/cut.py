@@ -67,7 +67,7 @@ def cut(
             notes = [*found["notes"], *of_twin]
             found |= about | entries | {"notes": notes}
             outcome = summary("cut", cfg, common, **found)
-            if cfg.as_program is not None and not ends[-1].diverged:
+            if cfg.as_program is not None and outcome["status"] == "done":
                 lines, outcome["program"] = write_program(folder, what, cfg, made, ends[-1])
             write_results(folder, made.experiment, ends, outcome)
     report.notes(notes)

@@ -2,6 +2,8 @@
 
 from typing import TYPE_CHECKING, Any
 
+from armside.sim.controller.gate import exceeded
+from armside.sim.controller.limits import GuidanceLimits
 from armside.sim.controller.programs import (
     automatic_spacing,
     corrected_by,
@@ -47,8 +49,18 @@ def write_program(
             k=last.k,
             robot=cfg.robot,
         )
-        found = corrected_by(read_program(new.text), motion, stored, what.cell, drives)
-        (text,), largest = found.texts, found.largest_offset
-        lines.append(found.line)
+        held = exceeded(
+            stored.correction,
+            stored.sample_time,
+            path=stored.reference,
+            limits=GuidanceLimits.of_cell(what.cell),
+            slides=what.cell.robot.slides,
+        )
+        if held:
+            lines.append(f"The program is not corrected: {'; '.join(held.values())}")
+        else:
+            found = corrected_by(read_program(new.text), motion, stored, what.cell, drives)
+            (text,), largest = found.texts, found.largest_offset
+            lines.append(found.line)
     (folder / text.name).write_bytes(text.content.encode("latin-1"))
     return lines, entries | {"file": text.name, "largest_offset": largest}

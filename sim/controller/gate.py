@@ -16,7 +16,7 @@ from ..notes import Cause
 from .limits import GuidanceLimits
 
 Beyond = Literal["size", "speed", "acceleration", "range", "diverged", "saturated", "worse", "beam"]
-LIMITS: Mapping[str, tuple[float, float]] = {
+LIMITS: dict[str, tuple[float, float]] = {
     "size": (GuidanceLimits.correction, 5e-3),
     "speed": (np.deg2rad(50.0), 0.1),
     "acceleration": (np.deg2rad(10_000.0), 20.0),

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from armside.scripts.cli import main
+from armside.sim.controller import gate
 from armside.sim.controller.programs import read_program_file, rows_of
 
 HOLE = """<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="40mm" viewBox="0 0 40 40">
@@ -38,6 +39,23 @@ def test_export_into_a_program_is_what_cut_writes(place, capsys):
     assert entry["spacing"] == 0.0015
     (row,) = rows_of(read_program_file(written))
     assert entry["blocks_per_second"] == pytest.approx(0.1 / row.spacing[1:].min(), rel=0.2)
+
+
+def test_a_correction_beyond_the_gate_enters_no_program(place, monkeypatch, tmp_path, capsys):
+    """Gate of a tenth of a milliradian, in place of 5 degrees."""
+    monkeypatch.setitem(gate.LIMITS, "size", (1e-4, 1e-4))
+    before, file = place / "plan/armside.mod", tmp_path / "a.mod"
+    words = ["export", str(place / "run"), "--into", str(before), "--file", str(file)]
+    assert main(words) == 2
+    assert "size: the correction of axis" in capsys.readouterr().err
+    assert not file.exists()
+    assert main([*words, "--beyond", "size", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["notes"][0].startswith("beyond size: ")
+    cut = ["cut", str(place / "hole.svg"), "--speed", "100", "--as-program", "rapid", "--quiet"]
+    learn = ["--spacing", "1.5", "--iterations", "1", "--measure", "tracker"]
+    assert main([*cut, *learn, "--json", "--out", str(tmp_path / "held")]) == 0
+    assert (tmp_path / "held/armside.mod").read_bytes() == before.read_bytes()
+    assert json.loads(capsys.readouterr().out)["program"]["largest_offset"] == 0.0
 
 
 def test_the_persons_program_is_never_written_over(place, capsys):
