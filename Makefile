@@ -61,7 +61,7 @@ test: $(VENV)/.installed-test $(STUBS)/py.typed
 	$(BIN)/python -m pytest -n auto --dist worksteal
 
 docs: $(VENV)/.installed-docs
-	$(BIN)/python -m sphinx -q -W --keep-going -E docs build/docs
+	$(BIN)/python -m sphinx -W --keep-going -E docs build/docs
 
 # A virtual environment without a working pip was left by an interrupted set-up: start it afresh.
 $(VENV)/.installed: pyproject.toml

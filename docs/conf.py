@@ -1,11 +1,11 @@
-"""Configuration of Sphinx: `make docs` builds the pages of this folder, and one page per package.
+"""Configuration of Sphinx: `make docs` builds the pages of this folder, and one a declared module.
 
-Docstrings are plain prose with Markdown's code spans. An API page lists the modules of its package,
-the page of commands what each command's `--help-all` prints.
+Docstrings are plain prose with Markdown's code spans. A module is declared where a name of a stub
+`__init__.pyi` is defined in it, or a page links to it; its page is written to `api/modules/`. The
+page of a package lists them, the page of commands what each command's `--help-all` prints.
 """
 
 import io
-import pkgutil
 import re
 from importlib import import_module
 from importlib.metadata import version as version_of
@@ -34,9 +34,11 @@ default_role = "code"
 myst_heading_anchors = 4
 suppress_warnings = ["ref.python"]  # names of arguments are looked up as if they were types
 html_theme = "alabaster"
+html_static_path = ["_static"]
 html_theme_options = {
     "description": "Iterative learning control on the arm side",
-    "page_width": "1100px",
+    "page_width": "1180px",
+    "sidebar_width": "260px",
 }
 # Names that a package hands on are described where they are defined.
 autodoc_default_options = {"members": True, "show-inheritance": True, "ignore-module-all": True}
@@ -56,6 +58,12 @@ ALIASES = {
     )
 }
 """Types as autodoc writes them, and as our source does."""
+DOCS = Path(__file__).parent
+MODULES = DOCS / "api" / "modules"
+PACKAGES = ("armside.kinematics", "armside.ilc", "armside.sim")
+"""Packages with a stub; that of the assets has a page for all its modules."""
+DECLARED = re.compile(r"^from \.([\w.]+) import (\w+) as \2$", re.MULTILINE)
+LINK = re.compile(r"\{py:mod\}`([\w.]+)`")
 LINE = 80
 """Characters of the value of a constant that is shown."""
 FENCE = re.compile(r"^```\w*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -64,18 +72,48 @@ MARKUP = re.compile(r"[*|\\]|_(?=\W|$)")
 """Characters of formulas that reStructuredText would read as markup."""
 
 
-def modules(package: str) -> list[str]:
-    """Names of a package and of all modules in it, sub-packages before their modules."""
-    path = import_module(package).__path__
-    inside = pkgutil.walk_packages(path, package + ".")
-    return [package, *(found.name for found in inside if not found.name.endswith("__main__"))]
+def declared(package: str) -> dict[str, list[str]]:
+    """Modules in which the names of a package's stub are defined, with these names."""
+    stub = Path(str(import_module(package).__file__)).with_suffix(".pyi")
+    found: dict[str, list[str]] = {}
+    for module, name in DECLARED.findall(stub.read_text(encoding="utf-8")):
+        found.setdefault(f"{package}.{module}", []).append(name)
+    pages = "".join(page.read_text(encoding="utf-8") for page in DOCS.rglob("*.md"))
+    linked = {name for name in LINK.findall(pages) if name.startswith(package + ".")}
+    return dict(sorted(({name: [] for name in linked} | found).items()))
+
+
+def write_modules(_app: Sphinx) -> None:
+    """Write a page for each declared module, and remove those of earlier ones."""
+    pages = {f"{name}.rst": name for package in PACKAGES for name in declared(package)}
+    MODULES.mkdir(exist_ok=True)
+    for old in {page.name for page in MODULES.iterdir()} - set(pages):
+        (MODULES / old).unlink()
+    for page, name in pages.items():
+        title = f"{name}\n{'=' * len(name)}\n\n"
+        (MODULES / page).write_text(f"{title}.. automodule:: {name}\n", encoding="utf-8")
 
 
 def package_page(package: str) -> str:
-    """A section for each module, with its public names."""
-    return "\n".join(
-        f"## {name}\n\n```{{eval-rst}}\n.. automodule:: {name}\n```\n" for name in modules(package)
-    )
+    """The package's docstring, and a table of its declared modules."""
+    text = f"```{{eval-rst}}\n.. automodule:: {package}\n```\n"
+    if package not in PACKAGES:
+        return text
+    rows = declared(package)
+    short = {name: name.removeprefix(package + ".") for name in rows}
+    table = [
+        f"| [{short[name]}](modules/{name}.rst) | {first_line(name)} "
+        f"| {', '.join(f'{{py:obj}}`~{name}.{one}`' for one in names)} |\n"
+        for name, names in rows.items()
+    ]
+    tree = "".join(f"{short[name]} <modules/{name}>\n" for name in rows)
+    head = "| module | | declared names |\n|---|---|---|\n"
+    return f"{text}\n{head}{''.join(table)}\n```{{toctree}}\n:hidden:\n\n{tree}```\n"
+
+
+def first_line(module: str) -> str:
+    """Of a module's docstring, for a cell of a table."""
+    return (import_module(module).__doc__ or "").split("\n")[0].replace("|", "\\|")
 
 
 def commands_page() -> str:
@@ -99,7 +137,7 @@ def fill_page(_app: Sphinx, page: str, source: list[str]) -> None:
     """
     source[0] = source[0].replace("../assets/README.md", "api/assets.md")
     folder, _, name = page.partition("/")
-    if folder == "api":
+    if folder == "api" and not name.startswith("modules/"):
         source[0] += "\n" + (
             commands_page() if name == "commands" else package_page(f"armside.{name}")
         )
@@ -151,6 +189,7 @@ def drop_long_value(_app: Sphinx, _domain: str, _kind: str, content: Element) ->
 
 def setup(app: Sphinx) -> None:
     """Connect the steps above; docstrings are converted before napoleon reads them."""
+    app.connect("builder-inited", write_modules)
     app.connect("source-read", fill_page)
     app.connect("object-description-transform", drop_long_value)
     app.connect("autodoc-process-signature", shorten_signature)

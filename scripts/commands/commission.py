@@ -99,7 +99,7 @@ def _choose(report: Report, cfg: CommissionCfg) -> None:
         taken = chosen(design_of(cfg.robot, cfg.payload), progress=step)
     report.table(
         "Cuts in the order in which they are taken",
-        ["candidate", "contour", "position [m]", "speed [mm/s]", "information [nat]"],
+        ["candidate", "contour", "position [m]", "speed [mm/s]", "record [s]", "information [nat]"],
         [_planned(choice.number, choice.gain) for choice in taken],
     )
 
@@ -108,7 +108,9 @@ def _planned(number: int, gain: float) -> list[Any]:
     cut = CANDIDATES[number]
     x, y, z = cut.tool_pose.position
     kind = f"{type(cut.curve).__name__}, {1e3 * cut.curve.length:.0f} mm around"
-    return [number, kind, f"{x:g} {y:g} {z:g}", 1e3 * cut.speed, gain]
+    loaded = prepare(cut, seed=0).loaded
+    seconds = f"{len(loaded.reference) * loaded.log_period:.1f}"
+    return [number, kind, f"{x:g} {y:g} {z:g}", 1e3 * cut.speed, seconds, gain]
 
 
 def _names(cfg: CommissionCfg) -> list[str]:

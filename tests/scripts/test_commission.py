@@ -7,10 +7,12 @@ from functools import partial
 import numpy as np
 import pytest
 
+from armside.scripts.commands import commission as command
 from armside.scripts.jobs.grid import Point
 from armside.scripts.jobs.resolved import key_of
 from armside.sim.instruments.laser_tracker import LaserTrackerCfg
 from armside.sim.twin import twin as library
+from armside.sim.twin.commission import Choice
 from armside.sim.twin.twin import Twin
 
 INDIVIDUAL = "2001"  # of the shared twin
@@ -204,3 +206,13 @@ def test_a_failure_of_learning_in_a_twin_is_not_bad_input(armside, twin, monkeyp
     assert "failed with LinAlgError" in err
     status, _, err = armside(f"laser --robot irb1400 --twin {twin[0]}")
     assert (status, "the twin is of the robot large" in err) == (2, True)
+
+
+def test_the_plan_states_how_long_each_record_takes(armside, monkeypatch):
+    """A circle of 126 mm at 80 mm/s: 1.6 s around, the lead-in and the rests."""
+    monkeypatch.setattr(command, "chosen", lambda *_, **__: [Choice(0, 79.0)])
+    _, out, _ = armside("commission --choose")
+    (row,) = (line for line in out.splitlines() if "Circle" in line)
+    speed, seconds = (float(cell) for cell in row.split("│")[4:6])
+    assert speed == 80.0
+    assert 0.126 / 0.080 < seconds < 2 * 0.126 / 0.080
