@@ -95,7 +95,7 @@ class ZeroPhaseButterworth:
 
     def __post_init__(self) -> None:
         check_numbers(self, "sample_time", "order")
-        check_numbers(self, "cutoff", several=True)
+        check_numbers(self, "cutoff", several=True, nan=True)
         if not (np.isfinite(self.sample_time) and self.sample_time > 0.0):
             raise ValueError(f"sample_time must be > 0 s, got {self.sample_time}")
         if self.order not in (1, 2, 3, 4):

@@ -203,7 +203,7 @@ class CoupledRange:
 
     def __post_init__(self) -> None:
         check_numbers(self, "coefficients", several=True)
-        check_numbers(self, "lower", "upper")
+        check_numbers(self, "lower", "upper", nan=True)
         if not (np.isfinite(self.coefficients).all() and np.any(self.coefficients)):
             text = f"finite coefficients that are not all 0, got {self.coefficients}"
             raise ValueError(f"a coupled range needs {text}")
@@ -222,7 +222,7 @@ class Limits:
     coupled: tuple[CoupledRange, ...] = ()
 
     def __post_init__(self) -> None:
-        check_numbers(self, "lower", "upper", "speed", several=True)
+        check_numbers(self, "lower", "upper", "speed", several=True, nan=True)
         if not len(self.lower) == len(self.upper) == len(self.speed):
             raise ValueError("lower, upper and speed must have one entry for each motor")
         for axis, (low, high) in enumerate(zip(self.lower, self.upper, strict=True), 1):

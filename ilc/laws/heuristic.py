@@ -27,7 +27,7 @@ class Heuristic(FirstOrderLaw):
     """Samples moved in at the end of the record; zeros leave a slow mode there."""
 
     def __post_init__(self) -> None:
-        check_numbers(self, "gamma", "delta", several=True)
+        check_numbers(self, "gamma", "delta", several=True, nan=True)
         for name in ("gamma", "delta"):
             if np.ndim(getattr(self, name)) == 1:
                 object.__setattr__(self, name, tuple(getattr(self, name)))

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from armside.arrays import Array, finite_array, real_array
+from armside.arrays import Array, real_array
 
 SAME_POSE = 1e-3
 """Motor angles [rad or m] within which two rows are repeats of one pose."""
@@ -32,13 +32,17 @@ class Measurements:
     """(N,) Row of each configuration in its file, from 1."""
 
     def __post_init__(self) -> None:
-        finite_array("phi", self.phi)
+        real_array("phi", self.phi)
         real_array("points", self.points)
         if self.phi.ndim != 2 or self.points.shape[::2] != (len(self.phi), 3):
             given = f"got {self.phi.shape} and {self.points.shape}"
             raise ValueError(f"phi must be (N, n) and points (N, T, 3), {given}")
         if self.row is None:
             vars(self)["row"] = np.arange(1, 1 + len(self.phi))
+        assert self.row is not None
+        if (bad := np.argwhere(~np.isfinite(self.phi))).size:
+            row, motor = bad[0]
+            raise ValueError(f"motor_angle_{motor + 1} is not finite in row {self.row[row]}")
 
     def __len__(self) -> int:
         return len(self.phi)

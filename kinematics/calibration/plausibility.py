@@ -64,9 +64,6 @@ def check(robot: Robot, limits: Limits, data: Measurements) -> None:
 
 def _finite(data: Measurements) -> None:
     assert data.row is not None
-    if (bad := np.argwhere(~np.isfinite(data.phi))).size:
-        row, motor = bad[0]
-        raise ValueError(f"motor_angle_{motor + 1} is not finite in row {data.row[row]}")
     if np.isinf(data.points).any():
         raise ValueError("a target has an infinite coordinate")
     partly = np.isfinite(data.points).sum(axis=2) % 3 != 0

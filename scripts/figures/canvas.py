@@ -128,8 +128,9 @@ def logarithmic(axes: Axes) -> None:
 
 def magnification(at_most: float) -> float:
     """The largest of 1, 2, 5, 10, 20, ... that is not above `at_most`; at least 1."""
-    decade = 10.0 ** np.floor(np.log10(max(at_most, 1.0)))
-    return max(float(m * decade) for m in (1, 2, 5) if m * decade <= max(at_most, 1.0))
+    most = max(at_most, 1.0) * (1.0 + 1e-9)  # or rounding could lose a power of ten
+    decade = 10.0 ** np.floor(np.log10(most))
+    return max(float(m * decade) for m in (1, 2, 5) if m * decade <= most)
 
 
 def magnified(factor: float) -> str:

@@ -39,7 +39,8 @@ class _Turn:
     """Normal of the plane in the axes of the tracker, whose x axis, projected, is the contour's."""
 
     def __post_init__(self) -> None:
-        check_numbers(self, "start", "end", *(["radius"] if hasattr(self, "radius") else []))
+        check_numbers(self, "start", "end", nan=True)
+        check_numbers(self, *(["radius"] if hasattr(self, "radius") else []))
         if not self.start < self.end:
             raise ValueError(f"start must be before end, got {self.start:g} and {self.end:g} s")
 

@@ -120,7 +120,7 @@ class ProcessingCfg:
     """Largest clock offset in the search [s]."""
 
     def __post_init__(self) -> None:
-        check_numbers(self, "cutoff", "accelerometer_delay", "gyroscope_delay")
+        check_numbers(self, "cutoff", "accelerometer_delay", "gyroscope_delay", nan=True)
         if not (np.isfinite(self.cutoff) and self.cutoff > 0.0):
             raise ValueError(f"cutoff must be > 0 Hz, got {self.cutoff:g}")
         for name in ("accelerometer_delay", "gyroscope_delay"):

@@ -54,7 +54,7 @@ class Circle:
     """[m]."""
 
     def __post_init__(self) -> None:
-        check_numbers(self, "radius")
+        check_numbers(self, "radius", nan=True)
         _require_positive("radius", self.radius)
 
     @property

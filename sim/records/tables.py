@@ -4,7 +4,6 @@ Every form keeps the columns of `signals.parquet`, their units and the metadata;
 no missing values they are NaN. Values keep every bit.
 """
 
-import csv
 import io
 import json
 import re
@@ -128,10 +127,8 @@ def _read_csv(file: Path) -> pa.Table:
     try:
         head, _, body = text.partition(b"\n")
         separator, decimal = csv_form(head.decode(), body)
-        names = next(csv.reader([head.decode().strip()], delimiter=separator))
-        types = dict.fromkeys(names, pa.float64()) | TYPES
         nulls: dict[str, Any] = {"null_values": [""], "strings_can_be_null": True}
-        convert = pacsv.ConvertOptions(column_types=types, decimal_point=decimal, **nulls)
+        convert = pacsv.ConvertOptions(column_types=TYPES, decimal_point=decimal, **nulls)
         parse = pacsv.ParseOptions(delimiter=separator)
         table = pacsv.read_csv(io.BytesIO(text), None, parse, convert)
     except (pa.ArrowInvalid, UnicodeDecodeError) as error:

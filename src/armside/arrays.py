@@ -58,10 +58,11 @@ def shown(value: Any) -> str:
     return text if len(text) <= 60 else f"{text[:60]}..."
 
 
-def check_numbers(record: Any, *names: str, several: bool = False) -> None:
+def check_numbers(record: Any, *names: str, several: bool = False, nan: bool = False) -> None:
     """Refuse fields of a record that are not a number each, or with `several` one or more, (m,).
 
-    NaN, truth values and text are no numbers; infinity is one. None is left to the record.
+    Truth values and text are no numbers, nor is NaN; with `nan` it is left to the record, whose
+    message has a bound. Infinity is a number. None is left to the record.
 
     Raises ValueError with name and value.
     """
@@ -70,7 +71,7 @@ def check_numbers(record: Any, *names: str, several: bool = False) -> None:
         if value is None:
             continue
         array = np.asarray(value) if np.ndim(value) <= 1 else np.empty((0, 0))
-        numbers = array.dtype.kind in "iuf" and array.size and not np.isnan(array).any()
+        numbers = array.dtype.kind in "iuf" and array.size and (nan or not np.isnan(array).any())
         if not numbers or array.ndim > several:
             kind = "numbers" if several else "one number"
             raise ValueError(f"{name} must be {kind}, got {shown(value)}")

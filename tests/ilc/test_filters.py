@@ -40,6 +40,7 @@ CHECKED_INSIDE = {"as_real", "as_record", "as_samples", "as_measured", "as_whole
     "path_repeatability",
     "per_sample",
     "FirstOrderLaw.__call__",  # abstract
+    "Task.check",  # a field: the gate of a controller, or nothing
     "learn",
 }
 """Functions that call the gate themselves, with a test of their own below or elsewhere."""

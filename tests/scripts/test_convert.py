@@ -170,7 +170,7 @@ def test_without_a_radius_only_motors_are_measured(tmp_path, capsys):
         ("measure mine.csv --gear 1", "more motors than the 1 gears"),
         ("measure mine.csv --gear 1 0", "gear must be in (0, 1e+06], got 0"),
         ("measure mine.csv --radius 0", "radius must be in (0, 5000] mm, got 0"),
-        ("measure words.csv", "no table of numbers"),
+        ("measure words.csv --gear 1", "numbers are needed, got"),
         ("measure mine.xls", ".parquet, .csv, .mat"),
         ("convert .", "no summary.json"),
     ],
@@ -178,7 +178,7 @@ def test_without_a_radius_only_motors_are_measured(tmp_path, capsys):
 def test_bad_input_is_one_clear_line(words, said, tmp_path, monkeypatch, bad_input):
     monkeypatch.chdir(tmp_path)
     write_table(Path("mine.csv"), own_data())
-    Path("words.csv").write_text("time,reference_1\nsoon,far\n")
+    Path("words.csv").write_text("time,reference_1,motor_angle_1\nsoon,far,off\n")
     Path("mine.xls").write_text("")
     bad_input(words, said)
 

@@ -85,7 +85,16 @@ def test_errors_of_a_run_that_diverged_can_be_drawn(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("at_most", "factor"), [(0.3, 1), (1.9, 1), (2.0, 2), (9.99, 5), (12.5, 10), (6000, 5000)]
+    ("at_most", "factor"),
+    [
+        (0.3, 1),
+        (1.9, 1),
+        (2.0, 2),
+        (9.99, 5),
+        (12.5, 10),
+        (6000, 5000),
+        (999.9999999999999, 1000),
+    ],  # whose logarithm is rounded up
 )
 def test_the_magnification_is_a_round_number(at_most, factor):
     assert canvas.magnification(at_most) == factor

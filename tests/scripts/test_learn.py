@@ -160,7 +160,7 @@ def test_a_correction_is_carried_over_to_another_speed_but_not_to_another_path(p
 @pytest.mark.parametrize(
     ("words", "status", "message"),
     [
-        ("--reference=", 2, "reference must be step"),
+        ("--reference=", 2, "--reference= has an empty value"),
         ("--plant lag.jsn", 2, "Unknown plant 'lag.jsn'"),
         ("--plant lag.json --laws herustic", 2, "Unknown law 'herustic'"),
         (

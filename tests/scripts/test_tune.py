@@ -202,7 +202,7 @@ def test_other_samplers_propose_designs(armside, sampler):
         ("--speed 500", "speed must be from 1 to 100 mm/s, got 500"),
         ("--payload=-1", "payload must be >= 0 kg"),
         ("--payload 5000", "cannot carry its load"),
-        ("--study=", "study must have a name"),
+        ("--study=", "--study= has an empty value"),
         ("--trials 0", '"0" for --trials. Must be >= 1'),
         ("--sampler genius", "sampler"),
         ("--seed 900000000", "sealed test seeds"),
