@@ -426,6 +426,34 @@ def test_a_check_has_the_masses_modes_and_torques_of_another_calculation(axes):
     assert found["configurations"] == len(postures)
     load = np.abs([held_by(mj, phi) for phi in postures]).max(axis=0) / columns["torque_limit"]
     np.testing.assert_allclose(columns["holding"], load, rtol=1e-4, atol=1e-6)
+    highest = []
+    springs = np.diag(mj.jnt_stiffness[mj.dof_jntid])
+    for phi in postures:
+        data.qpos[:] = 0.0
+        data.qpos[motors] = phi
+        mujoco.mj_forward(mj, data)
+        mujoco.mj_fullM(mj, data, M)
+        highest.append(np.sqrt(eigh(springs, M, eigvals_only=True)[-1]) / (2 * np.pi))
+    assert found["highest_mode"] == pytest.approx(max(highest), rel=1e-6)
+    tools = compile(LARGE_ROBOT).pose(postures)[:, :3, 3]
+    assert found["reach"] == pytest.approx(np.linalg.norm(tools, axis=1).max(), abs=1e-5)
+
+
+def test_dexterity_is_the_ratio_of_singular_values_of_a_difference_quotient(small_runs, axes):
+    """At p1, in the middle of the turn that is cut around it; the tool moves there by 5 mm."""
+    table = pq.read_table(small_runs / "laser/signals.parquet", filters=[("k", "=", 0)])
+    names = [f"reference_{i}" for i in range(1, 7)]
+    phi = [table[name].to_numpy(zero_copy_only=False).astype(float) for name in names]
+    middle = 0.5 * (np.nanmin(phi, axis=1) + np.nanmax(phi, axis=1))
+    pose = compile(LARGE_ROBOT).pose
+    J, step = np.empty((6, 6)), 1e-6
+    for i, e in enumerate(np.eye(6)):
+        ahead, behind = pose(middle + step * e), pose(middle - step * e)
+        turned = Rotation.from_matrix(ahead[:3, :3] @ behind[:3, :3].T).as_rotvec()
+        J[:, i] = np.r_[ahead[:3, 3] - behind[:3, 3], turned] / (2 * step)
+    S = np.linalg.svd(J, compute_uv=False)
+    found = {one["pose"]: one["dexterity"] for one in axes[0]["poses"]}
+    assert found["p1"] == pytest.approx(S[-1] / S[0], rel=0.05)
 
 
 def test_the_spectrum_of_a_sine_is_at_its_frequency():
