@@ -103,6 +103,7 @@ SMALL = {
     " --from-rest",
     "calibrated": f"calibrate-arm {TESTS.parent}/docs/examples/ur10_tmac --robot ur10"
     " --harmonics 0 --in-order --next 3",
+    "imu": "imu",
     "rest": "imu --motion rest --off 4 --on 4",
     "check": "robot check",
     "show": "robot show",

@@ -19,7 +19,14 @@ from scipy.spatial.transform import Rotation
 from tests.sim.controller.robots import START, guided
 
 from armside.assets import LARGE_ROBOT_XML
-from armside.kinematics import CATALOGUE, LARGE_ROBOT, compile, read_robot
+from armside.kinematics import (
+    CATALOGUE,
+    IRB1400,
+    IRB1400_LIMITS,
+    LARGE_ROBOT,
+    compile,
+    read_robot,
+)
 from armside.sim.cell import LARGE_CELL
 from armside.sim.controller import Phase, State
 from armside.sim.controller.egm import EgmWire
@@ -216,6 +223,10 @@ def test_errors_of_learning_are_those_of_a_filtered_reference(small_runs):
         e = r - LAG(r + u)
         sizes.append((np.linalg.norm(e), np.abs(e).max()))
         u = u + 0.5 * e
+    (file,) = (small_runs / "learn").glob("correction-2-*.csv")
+    written = np.loadtxt(file, delimiter=",", skiprows=1)
+    np.testing.assert_allclose(written[:, 1], 0.5 * (r - LAG(r)), atol=1e-12)  # that of k = 1
+    np.testing.assert_allclose(np.diff(written[:, 0]), 0.01, rtol=1e-9)
     for name, expected in zip(("error_two", "error_inf"), np.transpose(sizes), strict=True):
         np.testing.assert_allclose(own[name], expected, rtol=1e-9)
     np.testing.assert_allclose(own["predicted"]["error_two"], own["error_two"], rtol=1e-9)
@@ -309,6 +320,86 @@ def test_a_run_beside_a_carried_correction_is_that_of_a_fresh_command(small_runs
     (expected,), uncorrected = fresh["iterations"], again["started_from"]["uncorrected"]
     assert uncorrected == {name: expected[name] for name in uncorrected}
     assert again["iterations"][0]["motor_inf"] != expected["motor_inf"]
+
+
+# An IMU on a moving robot
+
+
+def columns(file, name, suffixes="xyz"):
+    """(N, n) without the rows that lack it."""
+    table = pq.read_table(file)
+    of = [table[f"{name}_{s}"].to_numpy(zero_copy_only=False).astype(float) for s in suffixes]
+    values = np.stack(of, axis=1)
+    return values[np.isfinite(values).all(axis=1)]
+
+
+@pytest.fixture(scope="module")
+def moved(small_runs):
+    """Entry of the summary, files of signals and of the IMU, and the times of the log."""
+    (entry,), folder = read(small_runs / "imu")["experiments"], small_runs / "imu"
+    time = pq.read_table(folder / "signals.parquet", filters=[("reference_1", "<", 9.0)])["time"]
+    return entry, folder / "signals.parquet", folder / "imu.parquet", time.to_numpy()
+
+
+def test_measures_of_an_imu_run_are_those_of_its_files(moved):
+    entry, signals, imu, time = moved
+    at = pq.read_table(imu)["time"].to_numpy()
+    late, after = at >= entry["since"], time >= entry["since"]
+    assert entry["duration"] == time[-1]
+    rate = columns(imu, "angular_velocity_measured") - columns(imu, "angular_velocity_predicted")
+    expected = np.sqrt(np.mean(rate[late] ** 2, axis=0))
+    np.testing.assert_allclose(entry["angular_velocity_rms"], expected, rtol=1e-9)
+    expected = np.abs(rate[late]).max(axis=0)
+    np.testing.assert_allclose(entry["angular_velocity_max"], expected, rtol=1e-9)
+    peak = np.abs(columns(imu, "acceleration_measured")[late]).max(axis=0)
+    np.testing.assert_allclose(entry["acceleration_peak"], peak, rtol=1e-9)
+    where = columns(imu, "acceleration_error_rms")[late].argmax(axis=0)
+    np.testing.assert_allclose(entry["acceleration_window_time"], at[late][where], rtol=1e-9)
+    phi = columns(signals, "motor_angle", range(1, 7))
+    table = pq.read_table(signals, filters=[("reference_1", "<", 9.0)])
+    tool = np.stack([table[f"true_tool_position_{a}"].to_numpy() for a in "xyz"], axis=1)
+    off = np.linalg.norm(compile(IRB1400).pose(phi)[:, :3, 3] - tool, axis=1)
+    assert entry["tool_distance"] == pytest.approx(off[after].max(), rel=1e-6)
+
+
+def test_moves_of_an_imu_run_are_those_of_its_reference(moved):
+    """The tool rests before and after, and has its highest speed between: by differences of the
+    log, which take 0.2 % off a short peak."""
+    entry, signals, _, time = moved
+    phi = columns(signals, "reference", range(1, 7))
+    rates = np.abs(np.gradient(phi, 0.004, axis=0)) / IRB1400_LIMITS.speed
+    p = compile(IRB1400).pose(phi)[:, :3, 3]
+    speed = np.linalg.norm(np.gradient(p, 0.004, axis=0), axis=1)
+    for move in entry["moves"]:
+        during = (time >= move["start"]) & (time <= move["end"])
+        of_joints = move["programmed"]["path"] is None
+        highest = (rates.max(axis=1) if of_joints else speed)[during].max()
+        assert move["reached"] == pytest.approx(highest, rel=5e-3)
+    first, last = entry["moves"][0]["start"], entry["moves"][-1]["end"]
+    moving = time[speed > 1e-9]
+    assert moving[0] == pytest.approx(first, abs=0.008)
+    assert moving[-1] == pytest.approx(last, abs=0.008)
+
+
+def test_columns_of_an_imu_have_the_rate_of_the_clock_and_gravity(moved):
+    """At rest before the first move; what is predicted is the motion by the motor angles."""
+    entry, signals, imu, _ = moved
+    clock = pq.read_table(imu)["imu_time"].to_numpy()
+    np.testing.assert_allclose(np.diff(clock), 0.01, rtol=1e-6)
+    still = clock < entry["moves"][0]["start"] - 0.1
+    force = columns(imu, "imu_acceleration")[still].mean(axis=0)
+    assert np.linalg.norm(force) == pytest.approx(9.82, abs=0.2)
+    turning = columns(imu, "imu_angular_velocity")
+    T = compile(IRB1400).pose(columns(signals, "motor_angle", range(1, 7)))
+    turns = Rotation.from_matrix(T[:, :3, :3])
+    by_tool = np.linalg.norm((turns[:-1].inv() * turns[1:]).as_rotvec(), axis=1) / 0.004
+    for sensed in (turning, columns(imu, "angular_velocity_predicted")):
+        rms = np.sqrt(np.mean(np.sum(sensed**2, axis=1)))
+        assert rms == pytest.approx(np.sqrt(np.mean(by_tool**2)), rel=0.1)
+    predicted, seen = (columns(imu, f"acceleration_{side}") for side in ("predicted", "measured"))
+    for axis in range(3):
+        slope = predicted[:, axis] @ seen[:, axis] / (seen[:, axis] @ seen[:, axis])
+        assert slope == pytest.approx(1.0, abs=0.1)
 
 
 # Identified plants, calibrated arms, a robot's numbers
