@@ -564,8 +564,8 @@ def test_orientations_of_messages_are_those_of_scipy():
         number=2,
         time=8,
         phase=Phase.GUIDED,
-        joints=np.arange(6) + 0.5,
-        planned=np.arange(6) + 1.0,
+        joints=np.arange(7) + 0.5,
+        planned=np.arange(7) + 1.0,
         position=np.array([1200.0, -30.0, 900.0]),
         quaternion=turn.as_quat(scalar_first=True),
         missed=0,
@@ -576,7 +576,12 @@ def test_orientations_of_messages_are_those_of_scipy():
     expected = dict(zip("XYZABC", [1200.0, -30.0, 900.0, 30.0, -40.0, 110.0], strict=True))
     assert place == pytest.approx(expected)
     egm = EgmWire()
-    orient = egm._robot.FromString(egm.encode_state(state)).feedBack.cartesian.orient
+    feedback = egm._robot.FromString(egm.encode_state(state)).feedBack
+    assert (list(feedback.joints.joints), list(feedback.externalJoints.joints)) == (
+        [0.5, 1.5, 2.5, 3.5, 4.5, 5.5],
+        [6.5],
+    )
+    orient = feedback.cartesian.orient
     q = Rotation.from_quat([orient.u0, orient.u1, orient.u2, orient.u3], scalar_first=True)
     assert (q * turn.inv()).magnitude() < 1e-9
 
