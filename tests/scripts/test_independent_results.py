@@ -16,7 +16,8 @@ from scipy.linalg import eigh
 from scipy.optimize import least_squares
 from scipy.signal import butter, freqz, lfilter
 from scipy.spatial.transform import Rotation
-from tests.sim.controller.robots import START, guided
+from tests.sim.controller.robots import CELL, START, guided
+from tests.sim.controller.robots import programmed as programmed_arm
 
 from armside.assets import LARGE_ROBOT_XML
 from armside.kinematics import (
@@ -28,7 +29,7 @@ from armside.kinematics import (
     read_robot,
 )
 from armside.sim.cell import LARGE_CELL
-from armside.sim.controller import Phase, State
+from armside.sim.controller import Answer, Phase, State
 from armside.sim.controller.egm import EgmWire
 from armside.sim.controller.rsi import RsiWire
 from armside.sim.imu.vibration import lines, power_spectrum
@@ -570,11 +571,12 @@ def test_orientations_of_messages_are_those_of_scipy():
         quaternion=turn.as_quat(scalar_first=True),
         missed=0,
         resting=False,
+        programmed=(np.array([1200.0, -30.0, 900.0]), turn.as_quat(scalar_first=True)),
     )
     root = ET.fromstring(RsiWire().encode_state(state))
-    place = {name: float(value) for name, value in root.find("RIst").attrib.items()}
+    places = [{k: float(v) for k, v in root.find(tag).attrib.items()} for tag in ("RIst", "RSol")]
     expected = dict(zip("XYZABC", [1200.0, -30.0, 900.0, 30.0, -40.0, 110.0], strict=True))
-    assert place == pytest.approx(expected)
+    assert places == [pytest.approx(expected)] * 2
     egm = EgmWire()
     feedback = egm._robot.FromString(egm.encode_state(state)).feedBack
     assert (list(feedback.joints.joints), list(feedback.externalJoints.joints)) == (
@@ -592,3 +594,20 @@ def test_a_message_of_rsi_has_the_angles_of_the_robot_in_degrees():
     for tag in ("AIPos", "ASPos"):
         angles = [float(root.find(tag).get(f"A{i}")) for i in (1, 2)]
         np.testing.assert_allclose(np.deg2rad(angles), START, atol=1e-4)  # a step of the encoder
+
+
+def test_places_in_a_message_of_rsi_are_those_of_its_axes():
+    """Of a planar arm on the move: RIst at the measured angles, RSol at the programmed ones."""
+    controller, links = programmed_arm(), CELL.robot.links
+    for _ in range(20):
+        controller.cycle(Answer(values=np.zeros(2), additive=True))
+    root = ET.fromstring(RsiWire().encode_state(controller.state()))
+    places = []
+    for place, axes in (("RIst", "AIPos"), ("RSol", "ASPos")):
+        phi = np.deg2rad([float(root.find(axes).get(f"A{i}")) for i in (1, 2)])
+        angles = np.cumsum(phi + [link.theta for link in links])
+        reach = 1e3 * np.array([link.a for link in links])
+        found = [float(root.find(place).get(axis)) for axis in "XY"]
+        np.testing.assert_allclose(found, [reach @ np.cos(angles), reach @ np.sin(angles)])
+        places.append(found)
+    assert np.linalg.norm(np.subtract(*places)) > 0.01
