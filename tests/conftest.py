@@ -215,3 +215,11 @@ def graphics():
 def scenes():
     """Module of the synthetic recordings of an arm in motion."""
     return importlib.import_module("tests.sim.gears.synthetic")
+
+
+@pytest.fixture(scope="session")
+def small_runs(made_once):
+    """Folder with what the commands of `results_listed.SMALL` leave, a folder each."""
+    from tests.results_listed import make_small
+
+    return made_once("small-runs", make_small)

@@ -107,19 +107,24 @@ class VirtualController:
         """The message of this cycle."""
         run = self._run
         measured = run.motor_angle
-        frame, quaternion = self._pose(measured), np.empty(4)
-        mujoco.mju_mat2Quat(quaternion, frame[:3, :3].ravel())
+        position, quaternion = self._place(measured)
         return State(
             number=self._number,
             time=round(1e3 * LOG_PERIOD) * self._cycles,
             phase=self.phase,
             joints=np.rad2deg(measured),
             planned=np.rad2deg(run.planned),
-            position=1e3 * frame[:3, 3],
+            position=position,
             quaternion=quaternion,
             missed=self.missed,
             resting=self._resting(),
+            programmed=self._place(run.planned),
         )
+
+    def _place(self, phi: Array) -> tuple[Array, Array]:
+        frame, quaternion = self._pose(phi), np.empty(4)
+        mujoco.mju_mat2Quat(quaternion, frame[:3, :3].ravel())
+        return 1e3 * frame[:3, 3], quaternion
 
     def ahead(self) -> None:
         """Run the physics of this cycle while its answer is awaited."""

@@ -42,6 +42,8 @@ class State:
     """Answers of this run that did not come, came late or were refused."""
     resting: bool
     """The robot stands."""
+    programmed: tuple[Array, Array] | None = None
+    """Position and quaternion likewise at the planned angles; None where they are not known."""
 
 
 @dataclass(frozen=True, kw_only=True)

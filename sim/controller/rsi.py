@@ -38,11 +38,14 @@ class RsiWire:
         self._sum: Array | None = None
 
     def encode_state(self, state: State) -> bytes:
-        """Rob: pose (RIst), axes (AIPos, ASPos), late answers (Delay), guidance, IPOC."""
+        """Rob: pose (RIst; programmed RSol), axes (AIPos, ASPos), late answers (Delay), guidance,
+        IPOC."""
         root = ET.Element("Rob", Type="KUKA")
-        place = (*state.position.tolist(), *_abc(state.quaternion))
-        for tag in ("RIst", "RSol"):
-            ET.SubElement(root, tag, dict(zip(_PLACE, map(repr, place), strict=True)))
+        places = {"RIst": (state.position, state.quaternion), "RSol": state.programmed}
+        for tag, known in places.items():
+            if known is not None:
+                place = (*known[0].tolist(), *_abc(known[1]))
+                ET.SubElement(root, tag, dict(zip(_PLACE, map(repr, place), strict=True)))
         for tag, values in (("AIPos", state.joints), ("ASPos", state.planned)):
             ET.SubElement(root, tag, _axes(values))
         ET.SubElement(root, "Delay", D=str(state.missed))

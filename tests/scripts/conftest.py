@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from tests.results_listed import command_of, fields, unlisted
 
 from armside.scripts import cli
 from armside.scripts.figures import canvas
@@ -16,6 +17,7 @@ from armside.scripts.jobs.dataset import Dataset
 from armside.scripts.jobs.grid import parse, run_grid
 from armside.scripts.studies import storage
 from armside.scripts.thesis.report import Section
+from armside.sim.records import summary as written
 
 from .sweep_engine import AXES, Serial
 
@@ -133,3 +135,20 @@ def replayed(made_once):
         assert cli.main(["replay", str(out), "--save", str(file), "--quiet"]) == 0
 
     return made_once("replayed", make)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def results_are_in_the_table():
+    """Each summary that any test here lets a command write has no field that the table lacks."""
+    plain, missing, commands = written.plain, set[str](), set(cli.COMMANDS)
+
+    def looked_at(value):
+        if isinstance(value, dict) and {"format", "config", "status"} <= value.keys():
+            of = command_of(value)
+            missing.update(unlisted(of, fields(plain(value))) if of.split()[0] in commands else ())
+        return plain(value)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(written, "plain", looked_at)
+        yield
+    assert not missing, "tests/results_tested.toml lacks these"

@@ -5,6 +5,7 @@ import json
 import mujoco
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from armside import kinematics
 from armside.scripts import cli
@@ -124,6 +125,20 @@ def test_a_fault_is_a_verdict_that_fails_with_status_1(words, tmp_path, capsys):
     assert words in err
     assert len(err.splitlines()) == 1
     assert (outcome["first_axis"] == 5) == ("axis 5" in err) == (FAULTS[words] is shorter)
+
+
+def test_a_site_that_is_turned_is_off_by_its_angle(tmp_path, capsys):
+    def turned(spec):
+        by = Rotation.from_rotvec([0.0, 0.0, 0.02])
+        own = Rotation.from_quat(spec.compile().site("tool0").quat, scalar_first=True)
+        site = spec.site("tool0")
+        site.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
+        site.quat = (own * by).as_quat(scalar_first=True)
+
+    tool, _ = said(capsys, "check", altered(tmp_path, turned), status=1)[0]["agreement"]
+    assert tool["rotation"] == pytest.approx(0.02, rel=1e-3)
+    tool, _ = said(capsys, "check", altered(tmp_path, shorter), status=1)[0]["agreement"]
+    assert tool["position"] == pytest.approx(0.1, rel=1e-3)
 
 
 def turn(angle, axis):

@@ -6,12 +6,14 @@ import subprocess
 import sys
 import threading
 import xml.etree.ElementTree as ET
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from armside import assets
 from armside.scripts.cli import main
-from armside.scripts.commands.serve import _told
+from armside.scripts.commands.serve import _row, _told
 
 SERVE = [sys.executable, "-m", "armside.scripts.cli", "serve"]
 
@@ -106,3 +108,15 @@ def test_clients_runs_garbage_and_refusals_are_lines_as_they_come(option, tmp_pa
     assert not run["abandoned"]
     assert "silent" not in lines[3]
     assert "; the client fell silent" in _told(run | {"abandoned": True})
+
+
+def test_a_run_is_counted_in_seconds_and_radians_of_the_arm_side():
+    """A motor that stays 2 mrad behind; a guided one behind what it is told, a program's not."""
+    still = np.zeros((251, 2))
+    run = SimpleNamespace(
+        time=0.004 * np.arange(251), reference=still + 0.5, correction=still + 1e-3,
+        motor_angle=still + 0.5 + 1e-3 - 2e-3,
+    )  # fmt: skip
+    guided, programmed = (_row(run, 3, of) for of in (True, False))
+    assert guided == {"seconds": pytest.approx(1.0), "missed": 3, "motor_rms": pytest.approx(2e-3)}
+    assert programmed["motor_rms"] == pytest.approx(1e-3)

@@ -6,9 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from armside.kinematics import CATALOGUE
-from armside.sim.imu.chapter5_recorded import mounting, process, repeatability, scale
+from armside.sim.imu.chapter5_recorded import (
+    ImuComparison,
+    _measures,
+    mounting,
+    process,
+    repeatability,
+    scale,
+)
 from armside.sim.recordings import read_motion
 
 AUBO = Path(os.environ.get("ARMSIDE_MEASUREMENTS") or ".") / "aubo_i5"
@@ -61,12 +69,62 @@ def test_the_tool_by_the_tracker_is_that_of_the_encoders(done):
         assert np.ptp(seen, axis=0).max() > 0.1
 
 
+def test_errors_of_a_prediction_are_root_mean_squares_and_what_is_left_is_gravity():
+    """Measured less predicted is constant: the accelerometer sees gravity otherwise by as much."""
+    wave, e = np.array([1.0, -1.0])[:, np.newaxis] * [3.0, 2.0, 1.0], np.array([0.3, 0.0, -0.2])
+    one = ImuComparison(
+        time=np.arange(2.0),
+        angular_velocity_measured=0.1 * wave + [0.01, 0.0, 0.02],
+        angular_velocity_predicted=0.1 * wave,
+        acceleration_measured=wave + e,
+        acceleration_predicted=wave,
+        clock_offset=0.0,
+    )
+    found = _measures(one, np.array([0.0, 0.0, -9.81]))
+    np.testing.assert_allclose(found.angular_velocity, [0.3, 0.2, 0.1])
+    np.testing.assert_allclose(found.angular_velocity_error, [0.01, 0.0, 0.02], atol=1e-15)
+    np.testing.assert_allclose(found.acceleration, [3.0, 2.0, 1.0])
+    np.testing.assert_allclose(found.acceleration_error, [0.3, 0.0, 0.2], atol=1e-15)
+    np.testing.assert_allclose(found.gravity, [-0.3, 0.0, -9.61], atol=1e-14)
+    assert found.gravity_magnitude == pytest.approx(np.hypot(0.3, 9.61))
+    assert found.gravity_angle == found.gravity_angle_rms == pytest.approx(np.arctan(0.3 / 9.61))
+
+
+def test_a_bias_of_a_sensor_is_found_in_its_own_axes(recordings, scenes, done):
+    """Added to readings in m/s^2 and rad/s; gravity stays in a plane, across which less is told."""
+    one, (bias_a, bias_g) = recordings[0], ([0.05, -0.03, 0.02], [4e-3, -3e-3, 2e-3])
+    imu = replace(one.imu, values=np.add(one.imu.values, [*bias_a, *bias_g]))
+    shifted, before = process(scenes.ARM, replace(one, imu=imu)).alignment, done[0].alignment
+    np.testing.assert_allclose(shifted.gyro_bias - before.gyro_bias, bias_g, atol=2e-4)
+    moved = shifted.accelerometer_bias - before.accelerometer_bias
+    np.testing.assert_allclose(moved, bias_a, atol=5e-3)
+
+
 def test_differences_between_recordings_are_those_of_their_constants(done):
     pair = [one.alignment for one in done]
     assert repeatability([pair[0], pair[0]]).mounting == 0.0
     moved = replace(pair[1], M_gyro=1.01 * pair[1].M_gyro)
     assert repeatability([pair[1], moved]).gyro_scale == pytest.approx(0.0102, abs=1e-4)
     assert repeatability(pair).mounting < np.radians(0.1)
+    first, turn = pair[0], Rotation.from_rotvec([0.0, 0.02, 0.0]).as_matrix()
+    across = np.cross(first.gravity, [1.0, 0.0, 0.0])
+    across *= np.linalg.norm(first.gravity) / np.linalg.norm(across)
+    found = repeatability(
+        [
+            first,
+            replace(
+                first,
+                M_gyro=turn @ first.M_gyro,
+                M_accelerometer=1.01 * first.M_accelerometer,
+                lever=np.add(first.lever, [1e-3, -2e-3, 0.0]),
+                gravity=np.cos(0.03) * first.gravity + np.sin(0.03) * across,
+            ),
+        ]
+    )
+    assert found.mounting == pytest.approx(0.02, rel=1e-6)
+    assert found.accelerometer_scale == pytest.approx(0.0101, abs=2e-4)
+    np.testing.assert_allclose(found.lever, [1e-3, 2e-3, 0.0], atol=1e-12)
+    assert found.gravity == pytest.approx(0.03, rel=1e-6)
     with pytest.raises(ValueError, match="needs two recordings, got 1"):
         repeatability(pair[:1])
 

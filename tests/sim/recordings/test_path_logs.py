@@ -51,6 +51,13 @@ def test_tool_and_path_are_those_of_the_waypoints():
     station, e = PATH.deviation(PATH.motor_angles(np.linspace(0.1, 0.4, 50)))
     np.testing.assert_allclose(station, np.linspace(0.1, 0.4, 50), atol=20e-6)
     assert np.abs(e).max() < 5e-6
+    position, phi = waypoints()
+    dense = waypoints(2000)[0]
+    assert PATH.length == pytest.approx(np.linalg.norm(np.diff(dense, axis=0), axis=1).sum(), 1e-4)
+    off = 2e-4 * np.random.default_rng(0).standard_normal(position.shape)
+    assert waypoint_path(ROBOT, position + off, phi).misfit == pytest.approx(
+        np.sqrt(3.0) * 2e-4, rel=0.15
+    )
 
 
 def test_timing_errors_of_each_motor_are_found_whatever_its_rate():
@@ -91,7 +98,10 @@ def test_error_is_that_across_the_path_without_its_mean():
     found = path_scatter(PATH, [wave])
     assert expected > 50e-6
     assert found.error == pytest.approx(expected, rel=0.03)
-    assert found.error_in_plane < found.error
+    normal = np.linalg.svd(waypoints()[0] - waypoints()[0].mean(axis=0))[2][2]
+    flat = across - across.mean(axis=0)
+    flat = flat - np.outer(flat @ normal, normal)
+    assert found.error_in_plane == pytest.approx(np.sqrt((flat**2).sum(axis=1).mean()), rel=0.05)
     assert np.isnan(found.scatter)
 
 

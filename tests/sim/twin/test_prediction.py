@@ -97,3 +97,10 @@ def test_a_correction_by_which_a_twin_becomes_unstable_is_not_used(end):
 def test_one_unstable_individual_around_a_twin_is_enough():
     found = predicted(1e-4, INSIDE, np.array([5e-6, np.inf]), of())
     assert "unstable" in str(_objection(found))
+
+
+def test_an_interval_is_that_of_the_variances_by_hand():
+    """In um: 2^2 + 0.4^2 (41.667 - 2^2) + 0.3^2 7^2 = 14.437, r = 3.7996; 0.53 r to 1.7 r."""
+    found = predicted(1e-4, INSIDE, AROUND, of())
+    ends = 1e6 * np.array([found.low, found.expected, found.high])
+    np.testing.assert_allclose(ends, [2.0138, 3.7996, 6.4593], rtol=1e-4)

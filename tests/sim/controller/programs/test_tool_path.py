@@ -197,6 +197,19 @@ def test_targets_take_a_correction_that_they_can_follow(language):
     assert sum(a != b for a, b in lines) == len(across)
 
 
+def test_what_targets_cannot_follow_is_left_and_what_they_do_not_reach_is_not_covered():
+    """Waves of 0.7 mm, a third of the spacing, and as much of a path 30 mm beside the program."""
+    made, _ = fitted(circle, LENGTH, 0.002)
+    run = made.path(made.samples(2e-5))
+    s = np.concatenate([[0.0], np.linalg.norm(np.diff(run, axis=0), axis=1).cumsum()])
+    wave = 1e-4 * np.sin(2 * np.pi * s / 7e-4)[:, np.newaxis] * [0.0, 0.0, 1.0]
+    beside = np.add(run, [0.03, 0.0, 0.0])
+    text = text_of("rapid", made.targets)
+    found = corrected(read_program(text), [(run, run + wave), (beside, beside)], R)
+    assert found.covered == pytest.approx(0.5, abs=0.01)
+    assert found.residual == pytest.approx(1e-4 / np.sqrt(2.0), rel=0.05)
+
+
 @pytest.mark.parametrize("language", ENDINGS)
 def test_a_run_without_a_correction_leaves_every_byte(language):
     made, _ = fitted(circle, LENGTH, 0.002)
