@@ -29,7 +29,9 @@ def test_a_bag_becomes_tables_and_tables_a_bag(armside, bag, tmp_path):
     for kind in ("csv", "parquet", "mcap"):
         status, out, err = armside(f"convert {source} --to {kind} --file {tmp_path / kind} --json")
         assert (status, err) == (0, "")
-        assert json.loads(out)["samples"] == {"encoders": 200, "tracker": 200}
+        found = json.loads(out)
+        assert found["samples"] == {"encoders": 200, "tracker": 200}
+        assert found["form"] == ("ROS bag" if source == bag else "folder of tables")
         back = read_motion(source := tmp_path / kind)
         assert back.tracker is not None
         np.testing.assert_array_equal(back.encoders.values, PHI)
