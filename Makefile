@@ -10,7 +10,7 @@ STUBS := typings/mujoco-stubs
 names = $(subst _,-,$(filter-out _% test_%,$(basename $(notdir $(sort $(wildcard tests/$(1)/*.py))))))
 claims = $(shell grep -o '^CLAIM[A-Z0-9_]* =' tests/claims/*.py | sed 's|.*/||; s| =||; s|.py:CLAIM||' | tr A-Z_ a-z- | sort)
 
-.PHONY: help run test docs mutants claims bench pages pictures calibration contract house clean
+.PHONY: help run test docs mutants claims bench pages pictures calibration contract house release releasable clean
 .DELETE_ON_ERROR:
 
 run: $(VENV)/.installed
@@ -28,6 +28,7 @@ help:
 	@echo 'make calibration [GENERATIONS=n]   the unknown numbers of the large robot'
 	@echo 'make house                size and structure of the project: docs/house.md'
 	@echo 'make contract [LINES=n]   command lines at random, held against the contract'
+	@echo 'make release              archive and wheel in dist/, checked, from a clean tree'
 	@echo
 	@echo 'Claims:     $(claims)' | fold -sw 100
 	@echo 'Benchmarks: $(call names,benchmarks)' | fold -sw 100
@@ -63,6 +64,17 @@ test: $(VENV)/.installed-test $(STUBS)/py.typed
 docs: $(VENV)/.installed-docs
 	$(BIN)/python -m sphinx -W --keep-going -E docs build/docs
 
+version := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
+
+release: releasable $(VENV)/.installed-release
+	rm -rf dist
+	$(BIN)/python -m build
+	$(BIN)/python -m twine check --strict dist/*
+
+releasable:
+	@changes=$$(git status --porcelain) && test -z "$$changes" || { echo "release: git status shows changes; commit them first" >&2; exit 1; }
+	@grep -q '^## \[$(version)\] - ' CHANGELOG.md || { echo "release: CHANGELOG.md has no heading '## [$(version)] - DATE'" >&2; exit 1; }
+
 # A virtual environment without a working pip was left by an interrupted set-up: start it afresh.
 $(VENV)/.installed: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("armside needs Python 3.11 or newer" if sys.version_info < (3, 11) else 0)'
@@ -74,6 +86,10 @@ $(VENV)/.installed: pyproject.toml
 $(VENV)/.installed-test: $(VENV)/.installed
 	@echo "Installing what the tests need ..."
 	$(PIP) install --editable '.[test]'
+	@touch $@
+
+$(VENV)/.installed-release: $(VENV)/.installed
+	$(PIP) install --editable '.[release]'
 	@touch $@
 
 mutants: $(VENV)/.installed-test

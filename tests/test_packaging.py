@@ -23,6 +23,8 @@ ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 OURS = ("assets", "ilc", "kinematics", "scripts", "sim")
 """Folders at the root, linked from `src/armside`."""
+CITATION = ROOT / "CITATION.cff"
+CI = bool(os.environ.get("ARMSIDE_CI"))
 ESTIMATED = 'measure="estimate", '
 PIP = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet"]
 
@@ -73,7 +75,7 @@ def install(wheel: Path, folder: Path) -> None:
     python = env / "bin" / "python"
     site = Path(sysconfig.get_paths(vars={"base": str(env), "platbase": str(env)})["purelib"])
     install = [*PIP, "--python", python, "install"]
-    if os.environ.get("ARMSIDE_CI"):
+    if CI:
         subprocess.run([*install, wheel], check=True)
         subprocess.run([*install[:-1], "uninstall", "--yes", "armside"], check=True)
     else:
@@ -138,7 +140,7 @@ def test_the_lines_of_the_readme_run_beside_packages_of_the_users_own(installed,
     """Saved as `sim.py`, in a folder that has an `assets` and a `scripts` as well."""
     found = re.findall(r"^```python\n(.*?)^```", (ROOT / "README.md").read_text(), re.M | re.S)
     lines = "".join(found)
-    if not os.environ.get("ARMSIDE_CI"):  # identifying springs is run by test_docs.py
+    if not CI:  # identifying springs is run by test_docs.py
         assert ESTIMATED in lines
         lines = lines.replace(ESTIMATED, "")
     (tmp_path / "sim.py").write_text(lines)
@@ -210,7 +212,64 @@ def test_every_dependency_has_a_lower_and_an_upper_bound():
         assert "<" in requirement, requirement
 
 
-def test_citation_and_package_agree_on_the_version():
-    cited = re.search(r"^version: (\S+)$", (ROOT / "CITATION.cff").read_text(), re.MULTILINE)
-    assert cited is not None
-    assert cited[1] == PROJECT["version"]
+def test_changelog_citation_and_package_agree_on_version_and_date():
+    headings = re.findall(r"^## (.*)$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
+    known = [re.fullmatch(r"\[(\d+\.\d+\.\d+)\] - (\d{4}-\d\d-\d\d)", h) for h in headings]
+    versions = [match[1] for match in known if match]
+    assert len(versions) == len(set(versions)) == len(headings) - ("[Unreleased]" in headings)
+    cited = dict(
+        re.findall(r"^(version|date-released): (\S+)$", CITATION.read_text(), re.MULTILINE)
+    )
+    newest = next(match for match in known if match)
+    assert cited == {"version": newest[1], "date-released": newest[2]}
+    assert newest[1] == PROJECT["version"]
+
+
+RUNNING = "{}.{}".format(*sys.version_info)
+LEAST = PROJECT["requires-python"].removeprefix(">=")
+CLASSIFIERS = {
+    "Development Status :: 3 - Alpha": PROJECT["version"].startswith("0."),
+    "Environment :: Console": "armside" in PROJECT["scripts"],
+    "Intended Audience :: Science/Research": (ROOT / "docs" / "thesis.md").is_file(),
+    "Operating System :: POSIX :: Linux": "apt-get" in (ROOT / ".ci" / "run").read_text(),
+    "Programming Language :: Python :: 3 :: Only": LEAST.startswith("3."),
+    f"Programming Language :: Python :: {LEAST}": RUNNING == LEAST or not CI,
+    "Topic :: Scientific/Engineering :: Physics": "mujoco" in "".join(PROJECT["dependencies"]),
+    "Typing :: Typed": (ROOT / "src" / "armside" / "py.typed").is_file(),
+}
+"""What is claimed of the package, and why it is true: CI runs on Linux, with the oldest Python."""
+
+
+def test_each_classifier_is_true_and_only_what_ci_runs_is_claimed():
+    assert dict.fromkeys(PROJECT["classifiers"], True) == CLASSIFIERS
+    assert not any(name.startswith("License") for name in CLASSIFIERS)  # `license` says it
+
+
+def release(folder: Path) -> subprocess.CompletedProcess:
+    """`make release` in a clone, with programs that write down how they are called."""
+    bins = folder / ".venv" / "bin"
+    bins.mkdir(parents=True, exist_ok=True)
+    (bins / "python").write_text('#!/bin/sh\necho "$*" >> called\n')
+    (bins / "python").chmod(0o755)
+    for name in (".installed", ".installed-release"):
+        (folder / ".venv" / name).touch()
+    return subprocess.run(
+        ["make", "release"], cwd=folder, capture_output=True, text=True, check=False
+    )
+
+
+def test_a_release_is_made_of_a_clean_tree_whose_changelog_names_the_version(tmp_path):
+    git = ["git", "-C", tmp_path, "-c", "user.name=a", "-c", "user.email=a@b.example"]
+    for name in ("Makefile", "pyproject.toml", "CHANGELOG.md"):
+        (tmp_path / name).write_bytes((ROOT / name).read_bytes())
+    (tmp_path / ".gitignore").write_text(".venv\ncalled\n")
+    for words in (["init", "-q"], ["add", "."], ["commit", "-qm", "all"]):
+        subprocess.run([*git, *words], check=True)
+    assert release(tmp_path).returncode == 0
+    called = (tmp_path / "called").read_text()
+    assert re.search(r"-m build\n.*-m twine check --strict dist/", called, re.DOTALL)
+    (tmp_path / "CHANGELOG.md").write_text("## [Unreleased]\n")
+    assert "commit them first" in release(tmp_path).stderr
+    subprocess.run([*git, "commit", "-qam", "unreleased"], check=True)
+    assert f"no heading '## [{PROJECT['version']}] - DATE'" in release(tmp_path).stderr
+    assert (tmp_path / "called").read_text() == called
