@@ -167,6 +167,9 @@ def test_an_experiment_runs_outside_the_checkout(installed, tmp_path):
     assert [row["k"] for row in summary["iterations"]] == [0, 1]
     assert json.loads((tmp_path / "here" / "summary.json").read_text()) == summary
     assert (tmp_path / "here" / "circles.png").stat().st_size > 0
+    stable = re.findall(r"`(\w+\.(?:json|parquet|toml))`", (ROOT / "docs/stable.md").read_text())
+    assert len(stable) == 3
+    assert all((tmp_path / "here" / name).stat().st_size > 0 for name in stable)
 
 
 def third_party_imports() -> dict[str, str]:

@@ -10,8 +10,11 @@ from pathlib import Path
 import pytest
 from tests.test_docs import blocks
 
+from armside.scripts.shell import interrupts, runner
+
 ROOT = Path(__file__).parent.parent
 PAGE = ROOT / "docs" / "surface.md"
+STABLE = ROOT / "docs" / "stable.md"
 FOLDERS = {
     "armside": ROOT / "src" / "armside",
     "armside.ilc": ROOT / "ilc",
@@ -132,6 +135,22 @@ def test_pages_and_examples_import_declared_names(page):
     packages = {".".join(module.split(".")[:2]) for module, _ in deeper}
     hidden = {(module, name) for module, name in deeper for p in packages if (p, name) in there}
     assert not hidden, "declared, and imported from deeper"
+
+
+def test_envs_and_exit_statuses_of_the_page_on_what_is_stable_are_those_of_the_code():
+    text = STABLE.read_text(encoding="utf-8")
+    gymnasium = import_module("gymnasium")
+    import_module("armside")
+    assert {"armside/" + name for name in re.findall(r"`armside/([\w-]+)`", text)} == {
+        name for name in gymnasium.registry if name.startswith("armside/")
+    }
+    statuses = re.search(r"0 done, (\d+) failed while running, (\d+) bad input, (\d+) int", text)
+    assert statuses
+    assert tuple(map(int, statuses.groups())) == (
+        runner.FAILED,
+        runner.BAD_INPUT,
+        interrupts.INTERRUPTED,
+    )
 
 
 def test_armside_loads_neither_mujoco_nor_a_package_of_its_own_until_they_are_used():
