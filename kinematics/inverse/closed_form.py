@@ -74,6 +74,16 @@ class UnreachableError(ValueError):
         )
 
 
+class JointRangeError(ValueError):
+    """Target `index` of a path, where a joint leaves its range as `passed` says."""
+
+    def __init__(self, robot: Robot, limits: Limits, path: Array, index: int) -> None:
+        self.index, phi = index, np.degrees(path[index]).round(2).tolist()
+        self.passed = f"{limit_passed(path[index], limits)} [rad], at phi = {phi} deg"
+        where = f"target {index} of {len(path)} leaves the joint limits of {robot.name}"
+        super().__init__(f"{where}: {self.passed}")
+
+
 @dataclass(frozen=True)
 class Branches:
     """All solutions of a batch of targets; a single target has no leading axis.
@@ -164,11 +174,7 @@ def inverse_path(
     _kernel(arm).follow(W, arm.geometry, arm.M, arm.M_inverse, arm.constant, path, flag, outside)
     _raise_unreachable(robot, outside)
     if limits is not None and not (inside := limits.contain(path)).all():
-        k = int(np.argmin(inside))
-        phi = np.degrees(path[k]).round(2).tolist()
-        where = f"target {k} of {len(path)} leaves the joint limits of {robot.name}"
-        passed = limit_passed(path[k], limits)
-        raise ValueError(f"{where}: {passed} [rad], at phi = {phi} deg")
+        raise JointRangeError(robot, limits, path, int(np.argmin(inside)))
     return path
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.kinematics import Robot, UnreachableError, inverse_path
 from armside.kinematics import compile as compile_robot
+from armside.kinematics.inverse.closed_form import JointRangeError
 from armside.kinematics.rigid import transform
 from armside.kinematics.rotation import from_quaternion
 
@@ -177,18 +178,23 @@ class JointBounds:
 def motors_at(setup: Setup, positions: Array, drawn: Array) -> Array:
     """(M, 6) [rad], motor angles at places of the tool (M, 3), all of one branch.
 
-    Raises ValueError where one is out of reach, with its place in the drawing, of (M, 2).
+    Raises ValueError where one is out of reach or of the joints' ranges, with its place in the
+    drawing, of (M, 2).
     """
     cell = setup.cell
     T = transform(from_quaternion(np.array(setup.tool_pose.quaternion)), positions)
     try:
         return inverse_path(cell.robot, T, None, cell.limits)
-    except UnreachableError as error:
+    except (UnreachableError, JointRangeError) as error:
         raise out_of_reach(error, place(drawn[error.index]), cell.robot) from error
 
 
-def out_of_reach(error: UnreachableError, where: str, robot: Robot) -> ValueError:
+def out_of_reach(error: UnreachableError | JointRangeError, where: str, robot: Robot) -> ValueError:
     """The error of a part of which a place cannot be reached."""
+    if isinstance(error, JointRangeError):
+        return ValueError(
+            f"the part leaves the joint limits of {robot.name} at {where}: {error.passed}"
+        )
     far = f"{1e3 * error.distance:.1f} mm outside the workspace of {robot.name}"
     return ValueError(f"the part is out of reach at {where}: the wrist would lie {far}")
 

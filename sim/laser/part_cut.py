@@ -8,6 +8,7 @@ import numpy as np
 
 from armside.arrays import Array
 from armside.kinematics import Limits, Robot, UnreachableError
+from armside.kinematics.inverse.closed_form import JointRangeError
 
 from ..evaluation.contour_error import ContourError, contour_errors
 from ..evaluation.kerf import kerf
@@ -231,7 +232,7 @@ def reference(setup: Setup, controller: Statics, motion: PartMotion) -> Array:
         _check_speed(phi, motion, np.array(limits.speed))
         shift = smoothed(anticipated_shift(controller, phi, LOG_PERIOD))
         return joint_reference(motion, robot, limits, start=phi[0], shift=shift)
-    except UnreachableError as error:
+    except (UnreachableError, JointRangeError) as error:
         raise out_of_reach(error, _where(motion, error.index), robot) from error
 
 
