@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 import shlex
 import subprocess
 import sys
@@ -80,9 +79,8 @@ def read(line: tuple[str, ...], text: str) -> dict[str, Any]:
     cells = (row[1:-1].split("│") for row in text.splitlines() if row.startswith("│"))
     rows = [[cell.strip() for cell in row] for row in cells]
     if line[0] == "calibrate-arm":
-        held_out, fitted = re.findall(r"\d+", text)[:2]
         means = {name: {"mean": 1e-3 * float(mean)} for name, mean, *_ in rows[:3]}
-        return {"held_out": means, "poses": {"held_out": int(held_out), "fitted": int(fitted)}}
+        return {"held_out": means}
     if line[0] == "cut":
         first = (row for row in rows if len(row) == 10)  # the others go on to the right
         return {"iterations": [{"arm_rms": 1e-6 * float(row[7])} for row in first]}

@@ -36,7 +36,7 @@ DATA = (".xml", ".toml", ".json", ".npz")
 """Files beside the code that a result depends on, in the folders of the code and in assets."""
 _MARK = re.compile(r"<!--([\w-]+(?:\.[\w-]+)+)-->(.*?)<!--/-->", re.DOTALL)
 _MADE_BY = re.compile(
-    r"^Written by `make claims.*with armside (\S+?),(?:.* code ([0-9a-f]{16})\.)?", re.M
+    r"^Written by `make claims.*with armside (\S+?),.* code ([0-9a-f]{16})\.$", re.M
 )
 _STAMP = re.compile(r"\n*<!--stamp-->.*?<!--/-->\n*\Z", re.DOTALL)
 
@@ -163,7 +163,7 @@ def made(source: Source) -> Result:
     """Run a source with today's code, or read what the page of a claim has."""
     if source.claim:
         by = _MADE_BY.search(claim_page(source.claim))
-        known = (by[1], by[2] or "") if by else ("unknown", "")
+        known = (by[1], by[2]) if by else ("unknown", "")
         return Result(*known, source.lines, source.run())
     return Result(version("armside"), code(source.entry), source.lines, source.run())
 
@@ -254,7 +254,7 @@ def claim_stamped(name: str) -> str:
     """The page of a claim, with its age."""
     by = _MADE_BY.search(text := claim_page(name))
     fresh = by is not None and by[2] == code([claim_file(name)])
-    return stamped(text, "" if fresh else f"of version {by[1] if by else 'unknown'}")
+    return stamped(text, "" if fresh else f"of version {by[1] if by else '0.1.0'}")
 
 
 def marks(text: str) -> list[str]:
