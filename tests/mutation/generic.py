@@ -1,7 +1,13 @@
 """A seeded sample of the generic mutants of Cosmic Ray: numbers, comparisons, operators."""
 
+import ast
+import os
 import random
+import re
+from collections import Counter
 from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
 
 from cosmic_ray.ast import ast_nodes, get_ast
 from cosmic_ray.mutating import mutate_code
@@ -11,6 +17,9 @@ from .mutant import PACKAGES, ROOT, Mutant
 
 _LEFT_OUT = ("Decorator", "Exception", "Variable", "BitOr")
 """Operators that remove decorators (numba's change no result) or mutate unions of types."""
+_FILES = 4
+"""Test files that a mutant is tried with first."""
+_NAMED = (ast.FunctionDef, ast.ClassDef)
 _PICTURES = ("scripts/figures", "scripts/viewers")
 
 
@@ -52,17 +61,42 @@ def _mutant(file: str, text: str, operator: str, occurrence: int, line: int) -> 
         file=file,
         old=text,
         new=mutated,
-        tests=(_nearest(file),),
+        tests=_nearest(file),
         operator=operator,
     )
 
 
-def _nearest(file: str) -> str:
-    """The test file of a module, or the folder of tests of its room."""
-    folder, _, stem = file.removesuffix(".py").rpartition("/")
-    while folder:
-        for path in (f"tests/{folder}/test_{stem}.py", f"tests/{folder}"):
-            if (ROOT / path).exists():
-                return path
-        folder, _, stem = folder.rpartition("/")
-    return "tests"
+def _nearest(file: str) -> tuple[str, ...]:
+    """The test file of a module, and those that mention names of it that few others do."""
+    path = Path(file)
+    names = {
+        n.name for n in ast.parse((ROOT / file).read_text("utf-8")).body if isinstance(n, _NAMED)
+    }
+    public = {name for name in names if not name.startswith("_")} | {path.stem}
+
+    def rank(test: Path) -> tuple[bool, float, int]:
+        own = test == Path("tests") / path.parent / f"test_{path.stem}.py"
+        room = len(os.path.commonpath((path.parent, test.parent.relative_to("tests"))))
+        return own, bool(room) * sum(1 / _uses()[n] for n in public & _words(test)), room
+
+    return tuple(map(str, sorted(_test_files(), key=rank, reverse=True)[:_FILES]))
+
+
+@cache
+def _uses() -> Counter[str]:
+    """Number of test files that mention a name."""
+    return Counter(name for test in _test_files() for name in _words(test))
+
+
+@cache
+def _test_files() -> list[Path]:
+    return [
+        path.relative_to(ROOT)
+        for package in PACKAGES
+        for path in sorted((ROOT / "tests" / package).rglob("test_*.py"))
+    ]
+
+
+@cache
+def _words(test: Path) -> set[str]:
+    return set(re.findall(r"\w+", (ROOT / test).read_text("utf-8")))
