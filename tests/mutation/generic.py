@@ -71,6 +71,7 @@ class _Run(ast.NodeTransformer):
     def visit_arguments(self, node: ast.arguments) -> ast.AST:
         names = [*node.posonlyargs, *node.args, *node.kwonlyargs]
         node.posonlyargs, node.args, node.kwonlyargs = [], names, []
+        node.defaults, node.kw_defaults = [*node.defaults, *filter(None, node.kw_defaults)], []
         return self.generic_visit(node)
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:

@@ -1,0 +1,94 @@
+"""The generic mutants of a month: what became of each, beside the reasons given by hand."""
+
+import json
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+from .mutant import PACKAGES, Mutant
+from .session import Trial
+
+MONTHS = Path(__file__).parent / "months"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fate:
+    """Of a generic mutant."""
+
+    file: str
+    name: str
+    """Operator, line and its text."""
+    noticed: str = ""
+    """The test that noticed it."""
+    found: bool = False
+    """It was not noticed when it was first tried."""
+    equivalent: str = ""
+    """Reason why it is no fault; such a mutant is not counted."""
+    survives: str = ""
+    """Reason why no test notices it."""
+
+
+def fates(month: str, folder: Path = MONTHS) -> list[Fate]:
+    """What is kept of a month; empty for one that was not tried."""
+    file = folder / f"{month}.toml"
+    data = tomllib.loads(file.read_text(encoding="utf-8")) if file.exists() else {"mutants": []}
+    return [Fate(**row) for row in data["mutants"]]
+
+
+def updated(
+    before: Sequence[Fate], mutants: Sequence[Mutant], results: Mapping[str, Trial]
+) -> list[Fate]:
+    """Fates with the outcomes of a run; reasons, and mutants that were not tried again, stay."""
+    kept = {(fate.file, fate.name): fate for fate in before}
+    for mutant in mutants:
+        if outcome := results.get(mutant.key):
+            key = (mutant.file, mutant.name)
+            new = key not in kept
+            fate = kept.get(key, Fate(file=mutant.file, name=mutant.name))
+            found = (new and not outcome.killed) or fate.found
+            kept[key] = replace(fate, noticed=outcome.by if outcome.killed else "", found=found)
+    return list(kept.values())
+
+
+def write(month: str, rows: Sequence[Fate], folder: Path = MONTHS) -> None:
+    """Keep the fates of a month, a line each."""
+    lines = []
+    for row in rows:
+        given = {key: value for key, value in asdict(row).items() if value}
+        pairs = (f"{k} = {json.dumps(v, ensure_ascii=False)}" for k, v in given.items())
+        lines.append(f"  {{{', '.join(pairs)}}},\n")
+    folder.mkdir(exist_ok=True)
+    text = "mutants = [\n" + "".join(lines) + "]\n"
+    (folder / f"{month}.toml").write_text(text, encoding="utf-8")
+
+
+def with_reasons(mutants: Sequence[Mutant], rows: Sequence[Fate]) -> list[Mutant]:
+    """The mutants with the reasons that were given for them."""
+    known = {(row.file, row.name): row for row in rows}
+    found = ((mutant, known.get((mutant.file, mutant.name))) for mutant in mutants)
+    return [
+        replace(m, equivalent=row.equivalent, survives=row.survives) if row else m
+        for m, row in found
+    ]
+
+
+def section(month: str, rows: Sequence[Fate]) -> str:
+    """Markdown: noticed at first and now by package, and what is equivalent or survives."""
+    head = "| package | noticed at first | noticed | of | | equivalent |"
+    lines = [f"## Generic mutants of {month}\n", head, "|---|---|---|---|---|---|"]
+    for name, packages in (*((p, (p,)) for p in PACKAGES), ("all", PACKAGES)):
+        own = [row for row in rows if row.file.partition("/")[0] in packages]
+        if real := [row for row in own if not row.equivalent]:
+            now = sum(bool(row.noticed) for row in real)
+            first = sum(bool(row.noticed) and not row.found for row in real)
+            counts = f"{first} | {now} | {len(real)} | {100 * now // len(real)} %"
+            lines.append(f"| {name} | {counts} | {len(own) - len(real)} |")
+    for title, attribute in (("Equivalent", "equivalent"), ("Not noticed", "survives")):
+        said = [(row, getattr(row, attribute)) for row in rows]
+        lines += ["", f"{title}:", ""] if any(reason for _, reason in said) else []
+        lines += [f"- {row.file}: `{row.name}`. {reason}" for row, reason in said if reason]
+    unexplained = [r for r in rows if not (r.noticed or r.equivalent or r.survives)]
+    lines += ["", "Not judged yet:", ""] if unexplained else []
+    lines += [f"- {row.file}: `{row.name}`" for row in unexplained]
+    return "\n".join(lines) + "\n"
