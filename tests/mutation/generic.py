@@ -19,6 +19,8 @@ _LEFT_OUT = ("Decorator", "Exception", "Variable", "BitOr")
 """Operators that remove decorators (numba's change no result) or mutate unions of types."""
 _FILES = 4
 """Test files that a mutant is tried with first."""
+_HERE = 5
+"""Weight of the name of the definition that is mutated; others of its file have one."""
 _USER = 0.5
 """Weight of a name of a file that imports the mutated one, and of a test of another package."""
 _NAMED = (ast.FunctionDef, ast.ClassDef)
@@ -108,8 +110,8 @@ def _mutant(file: str, text: str, mutated: str, operator: str, line: int) -> Mut
 
 
 def _nearest(file: str, line: int) -> tuple[str, ...]:
-    """The test file of a module, and those that mention what few others do: the definition with
-    the line, others of the file, and with half the weight those of files that import it."""
+    """The test file of a module, and those that mention what few others do: above all the
+    definition with the line, others of the file, and those of files that import it."""
     path, names = Path(file), Counter[str]()
     for user in _house().imports:
         if ROOT / file in _house().imports[user]:
@@ -117,7 +119,7 @@ def _nearest(file: str, line: int) -> tuple[str, ...]:
     names |= Counter(dict.fromkeys(_public(ROOT / file), 1))
     for node in ast.parse((ROOT / file).read_text("utf-8")).body:
         if isinstance(node, _NAMED) and node.lineno <= line <= (node.end_lineno or 0):
-            names[node.name] = 2
+            names[node.name] = _HERE
 
     def rank(test: Path) -> tuple[bool, float, int]:
         own = test == Path("tests") / path.parent / f"test_{path.stem}.py"

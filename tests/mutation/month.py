@@ -27,6 +27,7 @@ class Fate:
     """Reason why it is no fault; such a mutant is not counted."""
     survives: str = ""
     """Reason why no test notices it."""
+    untried: bool = False
 
 
 def fates(month: str, folder: Path = MONTHS) -> list[Fate]:
@@ -42,12 +43,12 @@ def updated(
     """Fates with the outcomes of a run; reasons, and mutants that were not tried again, stay."""
     kept = {(fate.file, fate.name): fate for fate in before}
     for mutant in mutants:
+        key = (mutant.file, mutant.name)
+        fate = kept.setdefault(key, Fate(file=mutant.file, name=mutant.name, untried=True))
         if outcome := results.get(mutant.key):
-            key = (mutant.file, mutant.name)
-            new = key not in kept
-            fate = kept.get(key, Fate(file=mutant.file, name=mutant.name))
-            found = (new and not outcome.killed) or fate.found
-            kept[key] = replace(fate, noticed=outcome.by if outcome.killed else "", found=found)
+            noticed = outcome.by if outcome.killed else ""
+            found = fate.found or (fate.untried and not noticed)
+            kept[key] = replace(fate, noticed=noticed, found=found, untried=False)
     return list(kept.values())
 
 
@@ -75,20 +76,22 @@ def with_reasons(mutants: Sequence[Mutant], rows: Sequence[Fate]) -> list[Mutant
 
 def section(month: str, rows: Sequence[Fate]) -> str:
     """Markdown: noticed at first and now by package, and what is equivalent or survives."""
-    head = "| package | noticed at first | noticed | of | | equivalent |"
-    lines = [f"## Generic mutants of {month}\n", head, "|---|---|---|---|---|---|"]
+    head = "| package | noticed at first | noticed | of | | equivalent | not tried |"
+    lines = [f"## Generic mutants of {month}\n", head, "|---|---|---|---|---|---|---|"]
     for name, packages in (*((p, (p,)) for p in PACKAGES), ("all", PACKAGES)):
         own = [row for row in rows if row.file.partition("/")[0] in packages]
-        if real := [row for row in own if not row.equivalent]:
+        if real := [row for row in own if not (row.equivalent or row.untried)]:
             now = sum(bool(row.noticed) for row in real)
-            first = sum(bool(row.noticed) and not row.found for row in real)
+            first = sum(not row.found for row in real)
+            untried = sum(row.untried for row in own)
             counts = f"{first} | {now} | {len(real)} | {100 * now // len(real)} %"
-            lines.append(f"| {name} | {counts} | {len(own) - len(real)} |")
+            lines.append(f"| {name} | {counts} | {len(own) - len(real) - untried} | {untried} |")
     for title, attribute in (("Equivalent", "equivalent"), ("Not noticed", "survives")):
         said = [(row, getattr(row, attribute)) for row in rows]
         lines += ["", f"{title}:", ""] if any(reason for _, reason in said) else []
         lines += [f"- {row.file}: `{row.name}`. {reason}" for row, reason in said if reason]
-    unexplained = [r for r in rows if not (r.noticed or r.equivalent or r.survives)]
+    known = ("noticed", "equivalent", "survives", "untried")
+    unexplained = [row for row in rows if not any(getattr(row, name) for name in known)]
     lines += ["", "Not judged yet:", ""] if unexplained else []
     lines += [f"- {row.file}: `{row.name}`" for row in unexplained]
     return "\n".join(lines) + "\n"

@@ -141,7 +141,7 @@ def test_a_page_counts_what_was_tried_and_says_what_survives():
 
 def test_a_month_keeps_first_outcomes_and_reasons_and_stands_beside_curated_faults(tmp_path):
     rows = [replace(MUTANT, name=name, new=name) for name in ("mended", "same", "lost")]
-    first = month.updated([], rows, {m.key: Trial(False, "t") for m in rows})
+    first = month.updated([], [MUTANT, *rows], {m.key: Trial(False, "t") for m in rows})
     reasons = {"same": {"equivalent": "a sum"}, "lost": {"survives": "too small"}}
     first = [replace(fate, **reasons.get(fate.name, {})) for fate in first]
     month.write("202611", month.updated(first, rows, {rows[0].key: Trial(True, "t::a")}), tmp_path)
@@ -156,7 +156,7 @@ def test_a_month_keeps_first_outcomes_and_reasons_and_stands_beside_curated_faul
     before = page([MUTANT], {}, {MUTANT.key: Trial(True, "tests/ilc/t.py::a")})
     for _ in range(2):  # a second page replaces the section of the first
         before = page([MUTANT], {"202611": kept}, {}, before)
-    assert before.count("| ilc | 0 | 1 | 2 | 50 % | 1 |") == 1
+    assert before.count("| ilc | 0 | 1 | 2 | 50 % | 1 | 1 |") == 1
     assert "- ilc/a.py: `lost`. too small" in before
     assert "| a.py | sum | ilc/t.py::a |" in before
 
