@@ -11,6 +11,11 @@ from .session import Trial
 
 MONTHS = Path(__file__).parent / "months"
 
+_ABOUT = """\
+Drawn at random over the files of the packages by the seed of the month, and tried with the four
+files of tests nearest to each alone. `noticed at first`: before any test was written for them.
+"""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Fate:
@@ -77,7 +82,7 @@ def with_reasons(mutants: Sequence[Mutant], rows: Sequence[Fate]) -> list[Mutant
 def section(month: str, rows: Sequence[Fate]) -> str:
     """Markdown: noticed at first and now by package, and what is equivalent or survives."""
     head = "| package | noticed at first | noticed | of | | equivalent | not tried |"
-    lines = [f"## Generic mutants of {month}\n", head, "|---|---|---|---|---|---|---|"]
+    lines = [f"## Generic mutants of {month}\n", _ABOUT, head, "|---|---|---|---|---|---|---|"]
     for name, packages in (*((p, (p,)) for p in PACKAGES), ("all", PACKAGES)):
         own = [row for row in rows if row.file.partition("/")[0] in packages]
         if real := [row for row in own if not (row.equivalent or row.untried)]:

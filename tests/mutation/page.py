@@ -14,9 +14,8 @@ _INTRODUCTION = """\
 Written by `python -m tests.mutation page`. Each line is a deliberate fault in one file, chosen for
 what a user would care about; `make mutants` puts them in one at a time, in a copy of the tree, and
 runs the nearest tests, then those of the package. A fault is noticed when a test fails. Faults
-marked † were once measured to go unnoticed by the tests closest to them. Generic mutants, of the
-operators of [Cosmic Ray](https://cosmic-ray.readthedocs.io), are drawn at random over the packages
-by a seed of each month, and tried with the four nearest files of tests alone.
+marked † were once measured to go unnoticed by the tests closest to them. Generic mutants are those
+of the operators of [Cosmic Ray](https://cosmic-ray.readthedocs.io).
 """
 _GENERIC = re.compile(r"## Generic mutants.*?(?=^## (?!Generic mutants))", re.DOTALL | re.MULTILINE)
 
