@@ -1,6 +1,7 @@
 """The generic mutants of a month: what became of each, beside the reasons given by hand."""
 
 import json
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -70,13 +71,17 @@ def write(month: str, rows: Sequence[Fate], folder: Path = MONTHS) -> None:
 
 
 def with_reasons(mutants: Sequence[Mutant], rows: Sequence[Fate]) -> list[Mutant]:
-    """The mutants with the reasons that were given for them."""
-    known = {(row.file, row.name): row for row in rows}
-    found = ((mutant, known.get((mutant.file, mutant.name))) for mutant in mutants)
+    """The mutants with the reasons that were given for them, wherever their lines are now."""
+    known = {_place(row): row for row in rows if row.equivalent or row.survives}
+    found = ((mutant, known.get(_place(mutant))) for mutant in mutants)
     return [
         replace(m, equivalent=row.equivalent, survives=row.survives) if row else m
         for m, row in found
     ]
+
+
+def _place(one: Mutant | Fate) -> tuple[str, str]:
+    return one.file, re.sub(r" in line \d+", "", one.name)
 
 
 def section(month: str, rows: Sequence[Fate]) -> str:
@@ -91,12 +96,23 @@ def section(month: str, rows: Sequence[Fate]) -> str:
             untried = sum(row.untried for row in own)
             counts = f"{first} | {now} | {len(real)} | {100 * now // len(real)} %"
             lines.append(f"| {name} | {counts} | {len(own) - len(real) - untried} | {untried} |")
-    for title, attribute in (("Equivalent", "equivalent"), ("Not noticed", "survives")):
-        said = [(row, getattr(row, attribute)) for row in rows]
-        lines += ["", f"{title}:", ""] if any(reason for _, reason in said) else []
-        lines += [f"- {row.file}: `{row.name}`. {reason}" for row, reason in said if reason]
+    lines += _listed("Equivalent", {row: row.equivalent for row in rows if row.equivalent})
+    lines += _listed("Not noticed", {row: row.survives for row in rows if row.survives})
     known = ("noticed", "equivalent", "survives", "untried")
-    unexplained = [row for row in rows if not any(getattr(row, name) for name in known)]
-    lines += ["", "Not judged yet:", ""] if unexplained else []
-    lines += [f"- {row.file}: `{row.name}`" for row in unexplained]
+    left = [row for row in rows if not any(getattr(row, name) for name in known)]
+    lines += _listed("Not judged yet", dict.fromkeys(left, ""))
     return "\n".join(lines) + "\n"
+
+
+def _listed(title: str, reasons: Mapping[Fate, str]) -> list[str]:
+    """A line for each mutant, or for those with one reason."""
+    lines = ["", f"{title}:", ""] if reasons else []
+    for reason in dict.fromkeys(reasons.values()):
+        own = [row for row, given in reasons.items() if given == reason]
+        if len(own) > 2 and reason:
+            lines.append(
+                f"- {len(own)} mutants of {', '.join(sorted({r.file for r in own}))}. {reason}"
+            )
+        else:
+            lines += [f"- {r.file}: `{' '.join(r.name.split())}`. {reason}".rstrip() for r in own]
+    return lines
