@@ -61,8 +61,7 @@ class Folder:
             write_signal(waiting, correction, self.sample_time, "u")
             waiting.replace(file)
             return
-        there = read_signal(file).values
-        if there.shape != correction.shape or not np.array_equal(there, correction):
+        if not np.array_equal(read_signal(file).values, correction):
             other = "of another law, reference or log; give the same again, or a new folder"
             raise ValueError(f"{file} is a correction {other}")
 

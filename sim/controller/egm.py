@@ -13,8 +13,6 @@ from armside.arrays import Array
 
 from .messages import Answer, Phase, State, WireError
 
-LARGEST = 65_507
-"""[bytes], of a datagram."""
 AXES = 6
 """Joints of a robot message; those beyond are external joints. EgmJoints and EgmExternalJoints."""
 _STATES = {Phase.WAITING: 2, Phase.GUIDED: 3, Phase.STOPPING: 3}

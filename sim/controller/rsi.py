@@ -16,8 +16,6 @@ from armside.arrays import Array
 
 from .messages import Answer, Phase, State, WireError
 
-LARGEST = 65_507
-"""[bytes], of a datagram."""
 CLIENT = "ImFree"
 """Name of the sensor system, SENTYPE in KUKA's example."""
 _PLACE = ("X", "Y", "Z", "A", "B", "C")

@@ -28,6 +28,7 @@ from armside.ilc.laws.repetitive import Repetitive
 from armside.ilc.laws.robust import h_infinity
 from armside.ilc.laws.wrappers import JointSpace, Scheduled
 from armside.ilc.models.linear_plant import Alternating, LinearPlant
+from armside.ilc.models.state_space import StateSpace
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 from armside.ilc.models.two_mass import FrictionPlant
@@ -93,6 +94,14 @@ def test_fixed_point_and_rate_are_those_of_the_lifted_analysis(name, T_u):
     power = np.linalg.matrix_power(lifted.iteration, 64)
     rate = np.linalg.norm(power, 2) ** (1 / 64)
     assert 0.999 * lifted.spectral_radius <= rate
+
+
+def test_a_limited_step_on_a_gain_is_clipped_and_not_scaled():
+    """Of a plant that is a gain of 1, where samples do not act on each other: (e - u)^2 + u^2."""
+    gain = StateSpace(A=[[0.0]], B=[[0.0]], C=[[0.0]], D=[[1.0]], sample_time=T_S)
+    law = Constrained(T_u=gain, n_samples=4, limit=1.0, criterion=QuadraticCriterion(change=1.0))
+    e = np.array([[0.6], [-1.8], [2.4], [-8.0]])
+    np.testing.assert_allclose(law(np.zeros((4, 1)), e), [[0.3], [-0.9], [1.0], [-1.0]], atol=1e-6)
 
 
 FILTERS = {

@@ -94,6 +94,16 @@ def test_gravity_of_an_imu_has_three_components():
         compile_measurement(IRB1400, gravity=(0.0, -9.82))
 
 
+def test_an_imu_at_rest_reads_the_opposite_of_gravity_by_its_orientation_and_no_rate():
+    arm, g = Robot([Link(a=0.4), Link(a=0.3, alpha=1.0)]), np.array([1.0, -2.0, -9.0])
+    phi = np.array([0.3, -0.5])
+    y = compile_measurement(arm, gravity=tuple(g)).reading(phi, 0 * phi, 0 * phi)
+    R = compile(arm).pose(phi)[:3, :3]
+    np.testing.assert_allclose(y[:2], phi)
+    np.testing.assert_allclose(y[2:5], 0.0, atol=1e-12)
+    np.testing.assert_allclose(y[5:], -R.T @ g, atol=1e-12)
+
+
 def test_out_of_the_wrong_shape_or_type_is_refused(irb1400):
     with pytest.raises(ValueError, match=r"out must be float64 of shape \(4, 4\)"):
         irb1400.pose(PHI[0], out=np.empty((3, 4)))

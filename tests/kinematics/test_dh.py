@@ -1,6 +1,7 @@
 """Robots as data: what is accepted, what is refused, and in which words."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from armside.kinematics import (
     Link,
     Robot,
 )
-from armside.kinematics.dh import CoupledRange
+from armside.kinematics.dh import CoupledRange, check_unit
 from armside.kinematics.rigid import link_transform
 from armside.kinematics.rotation import from_axis_angle
 
@@ -211,3 +212,29 @@ def test_motor_angles_and_joint_variables_are_each_others_inverse():
         assert back == pytest.approx(phi, abs=1e-15)
         zero = robot.joint_variables(np.zeros(6))
         assert np.rad2deg(zero) == pytest.approx([0, -90, 0, 0, 0, 180])  # thesis (4.9)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "most", "unit", "like"),
+    [
+        ("theta", 2 * np.pi, "rad", ("degrees", np.pi / 180)),
+        ("alpha", 2 * np.pi, "rad", ("degrees", np.pi / 180)),
+        ("range", 6 * np.pi, "rad", ("degrees", np.pi / 180)),
+        ("d", 20.0, "m", ("millimetres", 1e-3)),
+        ("a", 20.0, "m", ("millimetres", 1e-3)),
+        ("slide", 20.0, "m", ("millimetres", 1e-3)),
+        ("rotor_inertia", 1.0, "kg m^2", ("kg cm^2", 1e-4)),
+    ],
+)
+def test_a_number_beyond_what_an_arm_can_have_is_refused_with_its_value_in_another_unit(
+    quantity, most, unit, like
+):
+    name, factor = like
+    for value in (most, -most):
+        check_unit("link 1", quantity, value)
+        said = f"at most {most:.4g} {unit}, got {1.5 * value:g}; looks like "
+        with pytest.raises(ValueError, match=re.escape(said)) as refused:
+            check_unit("link 1", quantity, 1.5 * value)
+        assert f"{name}: {1.5 * value * factor:.4g} {unit}" in str(refused.value)
+    with pytest.raises(ValueError, match="at most"):
+        check_unit("link 1", quantity, most * 1.001)

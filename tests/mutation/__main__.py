@@ -1,21 +1,23 @@
 """Measure how many deliberate faults the tests notice.
 
     python -m tests.mutation run [--only TEXT] [--sample N] [--generic N] [--nearest] ...
-    python -m tests.mutation page
+    python -m tests.mutation page [--generic N]
 
 `run` tries what has no result yet and ends with status 1 when a mutant survives without a reason;
-`page` writes docs/mutation.md from the results.
+`page` keeps the outcomes of generic mutants in `months/`, and writes docs/mutation.md.
 """
 
 import argparse
 import os
 import random
+from datetime import date
 
+from .month import MONTHS, fates, updated, with_reasons, write
 from .mutant import ROOT, Mutant, curated
 from .page import page, score
 from .session import Session, Trial
 
-GENERIC_SEED = 15
+PAGE = ROOT / "docs/mutation.md"
 
 
 def arguments() -> argparse.Namespace:
@@ -26,6 +28,8 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--sample", type=int, help="number of mutants, drawn by --seed")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--generic", type=int, default=0, help="number of generic mutants")
+    month = f"{date.today():%Y%m}"
+    parser.add_argument("--month", default=month, help="YYYYMM, the seed of generic mutants")
     parser.add_argument("--nearest", action="store_true", help="leave out the wider tests")
     parser.add_argument("--checked", action="store_true", help="the tests are known to pass")
     parser.add_argument("--again", choices=("none", "survivors", "all"), default="none")
@@ -37,10 +41,15 @@ def main() -> int:
     """Run or write; 0 where every survivor has a reason."""
     options = arguments()
     os.chdir(ROOT)
-    session, mutants, generic = Session(), curated(), _generic(options.generic)
+    session, mutants = Session(), curated()
+    generic = _generic(options.generic, options.month)
     if options.action == "page":
-        text = page(mutants, generic, session.results())
-        (ROOT / "docs/mutation.md").write_text(text, encoding="utf-8")
+        results = session.results()
+        if generic:
+            write(options.month, updated(fates(options.month), generic, results))
+        months = {file.stem: fates(file.stem) for file in MONTHS.glob("*.toml")}
+        text = page(mutants, months, results, PAGE.read_text(encoding="utf-8"))
+        PAGE.write_text(text, encoding="utf-8")
         return 0
     chosen = [m for m in (*mutants, *generic) if options.only in f"{m.file} {m.name}"]
     if options.sample is not None:
@@ -57,12 +66,12 @@ def main() -> int:
     return int(any(not (m.survives or m.equivalent) for m in lost))
 
 
-def _generic(size: int) -> list[Mutant]:
+def _generic(size: int, month: str) -> list[Mutant]:
     if not size:
         return []
     from .generic import sample
 
-    return sample(size, GENERIC_SEED)
+    return with_reasons(sample(size, int(month)), fates(month))
 
 
 def _pending(known: Trial | None, again: str) -> bool:

@@ -1,8 +1,10 @@
 """The page docs/mutation.md: score by package, and the fate of every mutant."""
 
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
+from .month import Fate, section
 from .mutant import ALL, Mutant, counted
 from .session import Trial
 
@@ -11,18 +13,30 @@ _INTRODUCTION = """\
 
 Written by `python -m tests.mutation page`. Each line is a deliberate fault in one file, chosen for
 what a user would care about; `make mutants` puts them in one at a time, in a copy of the tree, and
-runs the nearest tests, then those of the package. A fault is noticed when a test fails. Generic
-mutants are drawn from the operators of [Cosmic Ray](https://cosmic-ray.readthedocs.io). Faults
-marked † were once measured to go unnoticed by the tests closest to them.
+runs the nearest tests, then those of the package. A fault is noticed when a test fails. Faults
+marked † were once measured to go unnoticed by the tests closest to them. Generic mutants are those
+of the operators of [Cosmic Ray](https://cosmic-ray.readthedocs.io).
 """
+_GENERIC = re.compile(r"## Generic mutants.*?(?=^## (?!Generic mutants))", re.DOTALL | re.MULTILINE)
 
 
-def page(mutants: Sequence[Mutant], generic: Sequence[Mutant], results: Mapping[str, Trial]) -> str:
-    """Markdown of the page. Mutants without a result count as not tried."""
-    parts = [_INTRODUCTION + _commits((*mutants, *generic), results)]
+def page(
+    mutants: Sequence[Mutant],
+    months: Mapping[str, Sequence[Fate]],
+    results: Mapping[str, Trial],
+    before: str = "",
+) -> str:
+    """Markdown of the page. Mutants without a result count as not tried.
+
+    before: the page as it is, whose curated faults stay where no result of any is known.
+    """
+    generic = "\n".join(section(month, rows) for month, rows in sorted(months.items()))
+    if before and not any(mutant.key in results for mutant in mutants):
+        without = _GENERIC.sub("", before)
+        return without.replace("## Equivalent,", f"{generic}\n## Equivalent,", 1)
+    parts = [_INTRODUCTION + _commits(mutants, results)]
     parts.append(_scores("Curated faults", mutants, results))
-    if generic:
-        parts.append(_scores("Generic mutants, a sample", generic, results))
+    parts += [generic] if generic else []
     parts.append(_equivalent(mutants))
     for package in ALL:
         own = [mutant for mutant in counted(mutants) if mutant.package == package]

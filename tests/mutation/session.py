@@ -22,6 +22,7 @@ NEAREST_LIMIT, WIDER_LIMIT = 300.0, 1800.0
 """[s] of processor time for the nearest tests of a mutant, and for those of its package. A mutant
 that runs into a limit counts as killed: the suite would have a limit of its own."""
 _FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+)", re.MULTILINE)
+_NOT_LOADED = re.compile(r"^ImportError while loading conftest '.*/(tests/\S+)'", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ def _failed(status: int, output: str) -> str:
     """The test that failed; a mutant may also end the process of its tests or never end."""
     if status == TIMED_OUT:
         return "time limit"
-    if failed := _FAILED.search(output):
+    if failed := _FAILED.search(output) or _NOT_LOADED.search(output):
         return failed[1]
     if status < 0:
         return f"signal {-status}"
@@ -93,6 +94,8 @@ class Session:
         """Try each mutant, and keep and report its outcome.
 
         checked: the nearest tests of all mutants are known to pass without one.
+
+        Raises RuntimeError after the others for those whose tests ended without a verdict.
         """
         if not mutants:
             return
@@ -108,10 +111,17 @@ class Session:
             if not checked:
                 pool.submit(green, sorted({t for mutant in mutants for t in mutant.tests})).result()
             trials = {pool.submit(trial, m, wider=wider): m for m in mutants}
+            wrong = list[str]()
             for done in as_completed(trials):
-                mutant, outcome = trials[done], replace(done.result(), commit=tree)
+                mutant = trials[done]
+                if error := done.exception():
+                    wrong.append(f"{mutant.file}: {mutant.name}: {error}")
+                    continue
+                outcome = replace(done.result(), commit=tree)
                 self._keep(mutant, outcome)
                 report(mutant, outcome)
+        if wrong:
+            raise RuntimeError("\n".join(wrong))
 
     def _keep(self, mutant: Mutant, outcome: Trial) -> None:
         spec = MutationSpec(

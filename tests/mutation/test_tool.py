@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from . import session
+from . import month, session
+from .generic import _program
 from .mutant import ROOT, Mutant, curated
 from .page import page, score
 from .session import Session, Trial, trial
@@ -78,6 +79,11 @@ def test_the_list_names_its_nearest_tests_file_by_file(tmp_path):
         ([(0, ""), (1, "FAILED tests/ilc/w.py::b")], True, Trial(True, "tests/ilc/w.py::b")),
         ([(0, ""), (0, "")], True, Trial(False, "tests/ilc")),
         ([(0, "")], False, Trial(False, "tests/near")),
+        (
+            [(4, "ImportError while loading conftest '/a/tests/ilc/conftest.py'.")],
+            True,
+            Trial(True, "tests/ilc/conftest.py"),
+        ),
         ([(TIMED_OUT, "")], True, Trial(True, "time limit")),
         ([(-11, "")], True, Trial(True, "signal 11")),
     ],
@@ -124,13 +130,45 @@ def test_a_page_counts_what_was_tried_and_says_what_survives():
     }
     mutants = [MUTANT, survivor, same, untried]
     assert score(mutants, results) == (1, 2)
-    text = page(mutants, [], results)
+    text = page(mutants, {}, results)
     assert "| ilc | 1 | 2 | 50 % | 1 |" in text
     assert "of 1234abcd (1 faults), 5678efab (1 faults)." in text
     assert "| a.py | sum | ilc/t.py::a |" in text
     assert "**survives**: too small to see" in text
     assert "ilc/a.py: same. addition commutes" in text
     assert "| a.py | untried (†) | not tried |" in text
+
+
+def test_a_month_keeps_first_outcomes_and_reasons_and_stands_beside_curated_faults(tmp_path):
+    rows = [replace(MUTANT, name=name, new=name) for name in ("mended", "same", "lost")]
+    first = month.updated([], [MUTANT, *rows], {m.key: Trial(False, "t") for m in rows})
+    reasons = {"same": {"equivalent": "a sum"}, "lost": {"survives": "too small"}}
+    first = [replace(fate, **reasons.get(fate.name, {})) for fate in first]
+    month.write("202611", month.updated(first, rows, {rows[0].key: Trial(True, "t::a")}), tmp_path)
+    kept = month.fates("202611", tmp_path)
+    assert [fate.noticed for fate in kept] == ["", "t::a", "", ""]
+    assert [m.equivalent for m in month.with_reasons(rows, kept)] == ["", "a sum", ""]
+    before = page([MUTANT], {}, {MUTANT.key: Trial(True, "tests/ilc/t.py::a")})
+    for _ in range(2):  # a second page replaces the section of the first
+        before = page([MUTANT], {"202611": kept}, {}, before)
+    assert before.count("| ilc | 0 | 1 | 2 | 50 % | 1 | 1 |") == 1
+    assert "- ilc/a.py: `lost`. too small" in before
+    assert "| a.py | sum | ilc/t.py::a |" in before
+
+
+@pytest.mark.parametrize(
+    ("text", "other", "same"),
+    [
+        ("def f(a: int, *, b=1): return a", "def f(a: str, /, b=1): return a", True),
+        ("if TYPE_CHECKING: import a", "if not TYPE_CHECKING: import a", True),
+        ("x: int | None = 1", "x: int & None = 1", True),
+        ("x: int = 1", "x: int = 2", False),
+        ("def f(a=1): return a", "def f(a=2): return a", False),
+    ],
+)
+def test_what_only_types_read_is_no_fault(text, other, same):
+    assert (_program(text) == _program(other)) == same
+    assert _program("def f(//, a): pass") == ""
 
 
 @pytest.mark.skipif(not (ROOT / ".git").exists(), reason="needs the history")

@@ -95,6 +95,12 @@ def test_where_a_joint_was_not_seen_harmonics_are_refused(wavy_data):
     assert done.region.contains(done.fitted.phi).mean() > 0.95
 
 
+@pytest.mark.parametrize("fraction", [0.0, 1.0])
+def test_some_poses_are_fitted_and_some_are_left_to_judge(fraction):
+    with pytest.raises(ValueError, match=f"between 0 and 1, got {fraction:g}"):
+        CalibrationCfg(fraction=fraction)
+
+
 def test_a_seed_draws_its_split(wavy_data):
     cfg = CalibrationCfg(joint_errors=JointErrors())
     first, again, other = (calibrate(ARM, wavy_data[:100], cfg, seed=s) for s in (0, 0, 1))

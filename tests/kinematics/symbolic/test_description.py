@@ -66,6 +66,9 @@ def test_measures_fall_to_zero_at_a_singularity():
         assert measure[-1] == pytest.approx(0, abs=1e-12)
     assert lost_directions(near[-1]).shape == (6, 1)
     assert lost_directions(near[0]).shape == (6, 0)
+    for unit in (1e-12, 1e12):  # of lengths and angles: the rank is relative
+        assert lost_directions(unit * near[-1]).shape == (6, 1)
+        assert lost_directions(unit * near[0]).shape == (6, 0)
 
 
 def test_manipulability_is_the_volume_of_the_velocity_ellipsoid():

@@ -3,7 +3,7 @@
 import pytest
 import sympy as sp
 
-from armside.kinematics import IRB1400, IRB1400_IMU, Joint, Link, Robot
+from armside.kinematics import IRB1400, IRB1400_IMU, Convention, Joint, Link, Robot
 from armside.kinematics.expressions.symbols import moving, symbol, t
 from armside.kinematics.symbolic import procedures as dh
 
@@ -63,6 +63,17 @@ def test_4_13_link_transform():
         [0, 0, 0, 1],
     ]
     assert dh.matrix_a(Link(th, d, a, al)) == sp.Matrix(expected)
+
+
+def test_a_modified_link_turns_about_x_before_z():
+    """Craig: Rot_x(alpha) Trans_x(a) Rot_z(theta) Trans_z(d), each a matrix of its own."""
+    th, d, a, al = (symbol(name, 1) for name in ("theta", "d", "a", "alpha"))
+    turns = [sp.rot_axis1(-al), sp.eye(3), sp.rot_axis3(-th), sp.eye(3)]
+    moves = [[0, 0, 0], [a, 0, 0], [0, 0, 0], [0, 0, d]]
+    T = sp.eye(4)
+    for R, p in zip(turns, moves, strict=True):
+        T *= sp.Matrix(sp.BlockMatrix([[R, sp.Matrix(p)], [sp.zeros(1, 3), sp.eye(1)]]))
+    assert same(dh.matrix_a(Link(th, d, a, al), Convention.MODIFIED), T)
 
 
 def test_4_14_and_4_15_link_transforms_of_the_zero_pose():

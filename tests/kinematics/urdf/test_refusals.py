@@ -106,3 +106,9 @@ def test_what_is_no_urdf_is_refused(tmp_path):
     assert "at most" in refused(tmp_path, "<!--" + 10_000_001 * " " + "-->")
     with pytest.raises(ValueError, match="is no regular file"):
         read_urdf(tmp_path)
+
+
+def test_the_nearest_inertia_moves_each_moment_by_a_third_of_what_is_missing():
+    """1, 1 and 3 lack 1: the nearest point of the plane a + b = c."""
+    found = nearest_inertia((1.0, 1.0, 3.0, 0.0, 0.0, 0.0))
+    np.testing.assert_allclose(found, [4 / 3, 4 / 3, 8 / 3, 0, 0, 0], rtol=2e-3, atol=1e-12)

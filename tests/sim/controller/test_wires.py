@@ -1,6 +1,7 @@
 """Messages of EGM and RSI: round trips to the last bit, and what is no message."""
 
 import xml.etree.ElementTree as ET
+from dataclasses import FrozenInstanceError
 
 import numpy as np
 import pytest
@@ -113,6 +114,13 @@ def test_a_message_of_the_controller_has_degrees_and_millimetres():
     place = message.feedBack.cartesian.pos
     expected = 1e3 * np.array([reach @ np.cos(angles), reach @ np.sin(angles)])
     np.testing.assert_allclose([place.x, place.y], expected, atol=1e-6)
+
+
+def test_a_message_cannot_be_changed():
+    with pytest.raises(FrozenInstanceError):
+        state().number = 1
+    with pytest.raises(FrozenInstanceError):
+        Answer(values=None, additive=False).additive = True
 
 
 def test_relative_corrections_add_up():

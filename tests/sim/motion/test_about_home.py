@@ -54,6 +54,15 @@ def test_a_motion_starts_and_ends_at_home_and_stays_within_limits_and_drives(two
     assert (np.ptp(made.phi, axis=0) > 0.9 * SWING).all()
 
 
+def test_the_swing_of_the_synchronisation_is_a_third_of_the_way_to_either_side(two_axes):
+    cell, model, home = two_axes
+    (program,) = programs_about(home, cell.limits, model, "simultaneous").values()
+    moves = [m.to.motors for m in program.instructions if isinstance(m, MoveJ) and m.to.motors]
+    swing, whole = np.array(moves[:2]) - home, np.array(moves[2:]) - home
+    ends = np.stack((whole.max(axis=0), whole.min(axis=0)))
+    np.testing.assert_allclose(3.0 * swing, ends, atol=1e-12)
+
+
 def test_a_sequential_motion_moves_one_motor_at_a_time_after_the_synchronisation(two_axes):
     cell, model, home = two_axes
     (program,) = programs_about(home, cell.limits, model, "sequential").values()

@@ -36,6 +36,12 @@ def outline():
     return profile(LENGTHS, CURVATURE, 0.167)
 
 
+def test_a_profile_is_of_the_whole_path_from_rest_to_rest(outline):
+    assert outline.s[[0, -1]] == pytest.approx([0.0, LENGTHS.sum()])
+    assert (np.diff(outline.s) >= 0.0).all()
+    assert outline.speed[[0, -1]].tolist() == [0.0, 0.0]
+
+
 def derivatives(timing, h):
     """Finite differences of s(t) up to the third, by h [s]."""
     s = timing.at(np.arange(0.0, timing.duration, h))[0]
