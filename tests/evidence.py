@@ -31,6 +31,11 @@ def module(folder: str, name: str) -> ModuleType:
     return import_module(f"tests.{folder}.{_homes(folder)[name][0]}")
 
 
+def file(folder: str, name: str) -> Path:
+    """The file of a name, which is not imported."""
+    return ROOT / "tests" / folder / f"{_homes(folder)[name][0]}.py"
+
+
 def claim(name: str) -> Any:
     """The claim of a name."""
     return getattr(module("claims", name), _homes("claims")[name][1])

@@ -31,7 +31,7 @@ PAGE = Path(__file__).parents[1] / "docs/house.md"
 HEAD = """\
 # Size and structure
 
-Written by `make house`. *Before* is commit c41bb92, measured alike; *asked* is the plan of the
+Written by `make house`. *Before* is the tree of the plan, measured alike; *asked* is that of the
 reduction. Lines are all lines of Python files. A traced run enters a file with the first call of
 each of its functions.
 

@@ -156,7 +156,7 @@ def _workspace(
     dots = axes.scatter(*p.T, c=values, s=9, cmap="viridis", vmin=0, **look)
     axes.set(xlabel="distance from the base axis [m]", ylabel="height [m]", aspect="equal")
     axes.set_title(title)
-    axes.figure.colorbar(dots, ax=axes, label="[mm]", extend=extend)
+    axes.figure.colorbar(dots, ax=axes, label=f"{title.lower()} [mm]", extend=extend)
 
 
 def _places(done: Calibration) -> Array:

@@ -26,6 +26,8 @@ WIDTH, HEIGHT = 800, 600
 """Size of the robot's picture [pixels]; the path's is as high and square."""
 RATE = 12.5
 """Frame rate of a film [Hz]."""
+FINER = 3
+"""Lines are drawn as many times larger, as short ones are rounded to pixels."""
 PALE = [245, 190, 130]
 PILLOW_FORMATS = {".gif": "GIF", ".webp": "WEBP"}
 Line = tuple[Contour, Array | float, Sequence[int] | None, int]
@@ -170,17 +172,19 @@ class _Panel:
 
     def draw(self, title: str, lines: Sequence[Line], until: float = np.inf) -> Image.Image:
         """Picture of the programmed path and of lines up to the time `until` [s]."""
-        image = Image.new("RGB", (HEIGHT, HEIGHT), "white")
-        pen, ink = ImageDraw.Draw(image), tuple(INK)
-        pen.text((20, 14), title, fill=ink, font=ImageFont.load_default(size=22))
-        legend = f"grey programmed, blue motors, orange tool; deviation {self.factor:g} times"
-        if (part := lines[-1][0]).is_part:
-            worst = 1e6 * part.worst
-            legend = f"tool: blue -{worst:.0f} um, grey 0, red {worst:.0f} um beside the contour"
-        pen.text((20, HEIGHT - 34), legend, fill=ink, font=ImageFont.load_default(size=17))
-        self._line(pen, self.programmed, np.inf)
+        image = Image.new("RGB", (FINER * HEIGHT, FINER * HEIGHT), "white")
+        self._line(pen := ImageDraw.Draw(image), self.programmed, np.inf)
         for line in lines:
             self._line(pen, line, until)
+        image = image.reduce(FINER)
+        pen, ink = ImageDraw.Draw(image), tuple(INK)
+        pen.text((20, 14), title, fill=ink, font=ImageFont.load_default(size=22))
+        times = f"deviation magnified {self.factor:g} times"
+        legend = f"grey programmed, blue motors, orange tool; {times}"
+        if (part := lines[-1][0]).is_part:
+            worst = f"{1e3 * part.worst:.2f} mm"
+            legend = f"tool: blue -{worst}, grey 0, red {worst} beside the contour"
+        pen.text((20, HEIGHT - 34), legend, fill=ink, font=ImageFont.load_default(size=17))
         return image
 
     def _line(self, pen: ImageDraw.ImageDraw, line: Line, until: float) -> None:
@@ -189,7 +193,9 @@ class _Panel:
         if colour is None:
             pieces, colours = contour.coloured(self.factor)
             for piece, own in zip(pieces[: contour.cutting[:done].sum()], colours, strict=False):
-                self._stroke(pen, piece, own.tolist(), width)
+                middle, r = self._pixels(piece.mean(axis=0)), FINER * width / 2
+                box = (*(middle - r).tolist(), *(middle + r).tolist())
+                pen.ellipse(box, fill=tuple(own.tolist()))  # a line of few pixels is not as wide
             return
         points = contour.magnified(deviation, self.factor)
         for piece in contour.pieces:
@@ -198,9 +204,12 @@ class _Panel:
     def _stroke(
         self, pen: ImageDraw.ImageDraw, points: Array, colour: Sequence[int], width: int
     ) -> None:
-        shown = points * self.scale + HEIGHT / 2
-        if len(shown) > 1:
-            pen.line([(float(x), float(y)) for x, y in shown], fill=tuple(colour), width=width)
+        if len(points) > 1:
+            at = [(float(x), float(y)) for x, y in self._pixels(points)]
+            pen.line(at, fill=tuple(colour), width=FINER * width, joint="curve")
+
+    def _pixels(self, points: Array) -> Array:
+        return FINER * (points * self.scale + HEIGHT / 2)
 
 
 def _by_ffmpeg(file: Path, suffix: str, images: Iterator[Image.Image]) -> None:

@@ -156,11 +156,16 @@ def checks(rows: Rows) -> Iterator[Check]:
 
 
 def draw(file: Path, table: Table) -> None:
-    """Error of the estimate by what it uses, largest first: a bar per variant and pose."""
-    rows = sorted(table.rows, key=lambda row: -np.nanmean([np.nan, *row[1 : 1 + len(POSES)]]))
+    """Error of the estimate by what it uses, largest first: a bar per variant and pose.
+
+    Variants of the law or of averaging, whose estimate is that of an earlier row, are left out.
+    """
+    n = 1 + len(POSES)
+    of_estimate = {tuple(row[1:n]): row for row in reversed(table.rows)}
+    rows = sorted(of_estimate.values(), key=lambda row: -np.nanmean(row[1:n]))
     figure = new_figure(8.0, 0.34 * len(rows) + 0.9)
     axes = figure.subplots()
-    figure.subplots_adjust(left=0.32, right=0.985, bottom=0.07, top=0.95)
+    figure.subplots_adjust(left=0.32, right=0.985, bottom=0.09, top=0.94)
     place = np.arange(len(rows))[::-1]
     for i, pose in enumerate(POSES):
         errors = [row[1 + i] for row in rows]
@@ -170,7 +175,8 @@ def draw(file: Path, table: Table) -> None:
     axes.set_title("Error of the estimate by sensors and quality of the IMU", loc="left")
     axes.set_axisbelow(True)
     axes.grid(True, axis="x", color="#DDDDDD", lw=0.6)
-    axes.legend(frameon=False, fontsize=8)
+    axes.set_ylim(-0.6, len(rows) - 0.4)
+    axes.legend(frameon=False, fontsize=8, title="pose")
     save(figure, file)
 
 

@@ -1,14 +1,18 @@
 """`python -m tests.gallery [NAME ...]`: the pictures of the docs, made again from seeds.
 
-`make pictures` calls it. A picture is a file with a function `draw(run, file)`: of the folder of
-the default run, and of the file to write. `replay` needs Chromium and its driver; `robots` and
-`picture` need OpenGL (EGL).
+`make pictures` calls it. A picture is a file with `LINE`, the line of armside that it is drawn from
+or "", and either `DRAWN`, a PNG that this line writes, or `draw(run, file)`: of the folder of that
+line, and of the file to write; what draw returns are its data, by default those of the line. Text
+chunks of each PNG say what made it, and results.json says the same. `replay` needs Chromium and its
+driver; `robots` needs OpenGL (EGL).
 """
 
 import argparse
+import shutil
 import sys
 import tempfile
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 
 from PIL import Image
@@ -17,6 +21,8 @@ from armside.scripts.cli import main as armside
 from armside.scripts.shell.errors import InputError, RunFailed
 
 from .. import evidence
+from ..pages._engine import results, store
+from ..pages._pictures import drawn, of_folder, picture, stamp
 
 IMAGES = Path("docs") / "images"
 WIDEST = 1200
@@ -33,31 +39,45 @@ def main(words: Sequence[str] | None = None) -> int:
     asked = parser.parse_args(words)
     names = evidence.chosen("gallery", asked.names)
     with tempfile.TemporaryDirectory(prefix="armside-") as folder:
-        run = Path(folder) / "run"
-        if status := armside(["laser", "--quiet", "--out", str(run)]):
-            return status
+
+        @cache
+        def run(line: str) -> Path:
+            out = Path(folder) / line.replace(" ", "-")
+            if armside([*line.split(), "--quiet", "--out", str(out)]):
+                raise RunFailed(f"armside {line}")
+            return out
+
         for name in names:
-            raw = Path(folder) / f"{name}.png"
+            raw, module = Path(folder) / f"{name}.png", evidence.module("gallery", name)
             try:
-                evidence.module("gallery", name).draw(run, raw)
+                of = run(module.LINE) if module.LINE else Path(folder)
+                if hasattr(module, "DRAWN"):
+                    shutil.copy(of / module.DRAWN, raw)
+                    data = None
+                else:
+                    data = module.draw(of, raw)
             except (InputError, RunFailed) as error:
                 print(f"{name}: {error}", file=sys.stderr)
                 return 1
             asked.images.mkdir(parents=True, exist_ok=True)
-            size = shrink(raw, asked.images / f"{name}.png")
-            print(f"{asked.images / name}.png: {size // 1000} kB")
+            file = asked.images / f"{name}.png"
+            shrink(raw, file)
+            found = drawn(picture(name), file, of_folder(of) if data is None else data)
+            stamp(file, found)
+            if asked.images == IMAGES:
+                store(results() | {file.name: found})
+            print(f"{file}: {file.stat().st_size // 1000} kB")
     return 0
 
 
-def shrink(raw: Path, file: Path) -> int:
-    """Write a picture at the size of the docs; returns its size in bytes."""
+def shrink(raw: Path, file: Path) -> None:
+    """Write a picture at the size of the docs."""
     with Image.open(raw) as image:
         picture = image.convert("RGB")
     if picture.width > WIDEST:
         height = round(picture.height * WIDEST / picture.width)
         picture = picture.resize((WIDEST, height), Image.Resampling.LANCZOS)
     picture.quantize(COLOURS, dither=Image.Dither.NONE).save(file, format="PNG", optimize=True)
-    return file.stat().st_size
 
 
 if __name__ == "__main__":

@@ -14,9 +14,11 @@ from armside.sim.part.contour_file import rounded
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.commission import commission, plan, recorded
 
+LINE = ""
+SEED = "1004"
 HOUSE = ((-10.0, -6.0), (10.0, -6.0), (10.0, 6.0), (0.0, 9.0), (-10.0, 6.0))
 """[mm], corners of the part in docs/examples/house.toml."""
-ROBOT = Drawn(1004)
+ROBOT = Drawn(int(SEED))
 CUTS = 4
 """That the robot's twin is commissioned from."""
 UPDATES = 5
@@ -28,7 +30,7 @@ NAMES = (
 )
 
 
-def draw(_run: Path, file: Path) -> None:
+def draw(_run: Path, file: Path) -> list[np.ndarray]:
     """The same part three times, as the tool truly goes, deviations magnified alike."""
     place = ToolPose((1.6, 0.35, 1.4), TOOL_QUATERNION)
     part = Cut(pose=place, contour=rounded(1e-3 * np.array(HOUSE), 1.5e-3), speed=0.040)
@@ -50,3 +52,4 @@ def draw(_run: Path, file: Path) -> None:
         names=NAMES,
         label="tool (ground truth)",
     )
+    return [tool.path for tool in tools]

@@ -13,6 +13,7 @@ from armside.scripts.viewers.web_viewer import WebViewer
 
 from ._browser import page
 
+LINE = "laser"
 DRAWING_TIME = 120.0
 """Longest wait for the browser to draw the replay on the CPU [s]."""
 LAYOUT_TIME = 4.0

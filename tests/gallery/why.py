@@ -21,6 +21,7 @@ from armside.sim.records import read_run
 from armside.sim.replay.run_scene import stored_scene
 from armside.sim.robot.model import RobotModel
 
+LINE = "laser"
 SHOWN_TO = 20.0
 """Largest frequency [Hz]; above it both errors are below 1 um."""
 N_MODES = 3

@@ -32,12 +32,15 @@ from ..house import source as python_source
 ROOT = Path(__file__).parents[2]
 MANIFEST = Path(__file__).with_name("manifest.toml")
 RESULTS = Path(__file__).with_name("results.json")
+UNKNOWN = "unknown"
+"""Version, code or data of what is older than the stamps."""
 DATA = (".xml", ".toml", ".json", ".npz")
 """Files beside the code that a result depends on, in the folders of the code and in assets."""
 _MARK = re.compile(r"<!--([\w-]+(?:\.[\w-]+)+)-->(.*?)<!--/-->", re.DOTALL)
 _MADE_BY = re.compile(
-    r"^Written by `make claims.*with armside (\S+?),.* code ([0-9a-f]{16})\.$", re.M
+    r"^Written by `make claims.*with armside (\S+?),.*?(?: code ([0-9a-f]{16}))?\.$", re.M
 )
+_IMAGE = re.compile(r"!\[[^\]]*\]\([\w/]*\bimages/([\w-]+\.png)\)")
 _STAMP = re.compile(r"\n*<!--stamp-->.*?<!--/-->\n*\Z", re.DOTALL)
 
 
@@ -51,19 +54,24 @@ class Source:
     values: Mapping[str, str]
     """Expression and format by name, "1e6 * iterations[0].arm_rms | .1f"; of a claim those of its
     `cells`, a list of rows."""
+    drawn_by: Path | None = None
+    """Module of a picture, whose lines make what it shows."""
+    seed: str = "0"
 
     @property
     def claim(self) -> str:
         """Name of the claim, if it is one."""
-        return self.lines[0].partition("NAME=")[2].partition(" ")[0]
+        made = self.lines[0].partition("make claims NAME=")[2]
+        return made.partition(" ")[0]
 
     @property
     def entry(self) -> tuple[Path, ...]:
-        """Files of the commands or of the claim."""
+        """Files of the commands or of the claim, and of the picture."""
+        own = (self.drawn_by,) if self.drawn_by else ()
         if self.claim:
-            return (claim_file(self.claim),)
-        words = (line.split()[0].replace("-", "_") for line in self.lines)
-        return tuple(ROOT / f"scripts/commands/{word}.py" for word in words)
+            return (claim_file(self.claim), *own)
+        words = (line.split()[0].replace("-", "_") for line in self.lines if line[:5] != "make ")
+        return (*(ROOT / f"scripts/commands/{word}.py" for word in words), *own)
 
     def run(self) -> dict[str, Any]:
         """Values by name. Raises RuntimeError with what a command printed where it fails."""
@@ -71,6 +79,7 @@ class Source:
             return evaluated({"cells": table(claim_page(self.claim))}, self.values)
         with tempfile.TemporaryDirectory(prefix="armside-") as folder:
             os.symlink(ROOT / "docs", Path(folder) / "docs")
+            output = ""
             for i, line in enumerate(self.lines):
                 last = ["--json"] if i == len(self.lines) - 1 else []
                 done = subprocess.run(
@@ -79,7 +88,8 @@ class Source:
                 )  # fmt: skip
                 if done.returncode != 0:
                     raise RuntimeError(f"armside {line}: {done.stderr.strip()}")
-        return evaluated(json.loads(done.stdout), self.values)
+                output = done.stdout
+        return evaluated(json.loads(output), self.values)
 
 
 @dataclass(frozen=True)
@@ -161,11 +171,19 @@ def _cell(text: str) -> float | str:
 
 def made(source: Source) -> Result:
     """Run a source with today's code, or read what the page of a claim has."""
-    if source.claim:
-        by = _MADE_BY.search(claim_page(source.claim))
-        known = (by[1], by[2]) if by else ("unknown", "")
-        return Result(*known, source.lines, source.run())
-    return Result(version("armside"), code(source.entry), source.lines, source.run())
+    by = by_claim(source.claim) if source.claim else made_with_today(source)
+    return Result(*by, source.lines, source.run())
+
+
+def by_claim(name: str) -> tuple[str, str]:
+    """Version and code that the page of a claim was written with."""
+    by = _MADE_BY.search(claim_page(name))
+    return (by[1], by[2] or UNKNOWN) if by else (UNKNOWN, UNKNOWN)
+
+
+def made_with_today(source: Source) -> tuple[str, str]:
+    """Today's version and code of a source."""
+    return version("armside"), code(source.entry)
 
 
 def code(entry: Sequence[Path], root: Path = ROOT) -> str:
@@ -237,6 +255,7 @@ def rendered(
         return f"<!--{match[1]}-->{shown(found[name].values[value], form, match[2])}<!--/-->"
 
     text = _MARK.sub(number, text)
+    used |= dict.fromkeys(name for name in images(text) if name in found)
     stale = [name for name in used if old(name)]
     versions = ", ".join(sorted({found[name].version for name in stale}))
     return stamped(text, f"of version {versions}: {', '.join(stale)}" if stale else "")
@@ -262,7 +281,18 @@ def marks(text: str) -> list[str]:
     return [match[1] for match in _MARK.finditer(text)]
 
 
+def without_marks(text: str) -> str:
+    """A page without its numbers that have an id."""
+    return _MARK.sub("#", text)
+
+
+def images(text: str) -> list[str]:
+    """File names of the pictures of a page."""
+    return _IMAGE.findall(text)
+
+
 def pages() -> list[Path]:
-    """Pages that have numbers with an id."""
+    """Pages that have numbers with an id, or pictures."""
     found = (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
-    return [page for page in found if marks(page.read_text(encoding="utf-8"))]
+    texts = ((page, page.read_text(encoding="utf-8")) for page in found)
+    return [page for page, text in texts if marks(text) or images(text)]

@@ -1,12 +1,15 @@
 """Numbers of README and docs are those of their commands."""
 
+import re
 import shutil
 from dataclasses import replace
 
 import pytest
+from PIL import Image
 
 from ._engine import (
     ROOT,
+    UNKNOWN,
     Result,
     Source,
     claim_page,
@@ -14,15 +17,22 @@ from ._engine import (
     claims,
     code,
     evaluated,
+    images,
     made,
     marks,
     pages,
     rendered,
     results,
     sources,
+    table,
 )
+from ._pictures import IMAGES, chunks, digest, pictures, pixels, stamp, stamps
 
-SOURCES, RESULTS = sources(), results()
+SOURCES, RESULTS = sources() | pictures(), results()
+README = ROOT / "README.md"
+PNGS = [
+    file for at in (ROOT / "docs", ROOT) for file in at.glob("**/*.png" if at != ROOT else "*.png")
+]
 PAGE = "Ends at <!--cut.rms-->13<!--/--> µm.\n\n<!--cut.rows-->\n| k | RMS |\n|---|---|\n<!--/-->\n"
 CUT = Source("cut", ("laser",), {"rms": "1e6 * rms[1] | .1f", "rows": "rows | .0f .2f"})
 FOUND = Result("0.1.0", "abc", ("laser",), {"rms": 12.34, "rows": [[0, 1.0], [1, 0.5]]})
@@ -40,8 +50,22 @@ def old():
 
 @pytest.mark.parametrize("page", pages(), ids=lambda page: page.relative_to(ROOT).as_posix())
 def test_numbers_and_age_of_a_page_are_those_of_its_sources(page, old):
-    text = page.read_text(encoding="utf-8")
-    assert text == rendered(text, SOURCES, RESULTS, old), "make pages"
+    check(page.name, page.read_text(encoding="utf-8"), RESULTS, old)
+
+
+def check(page, text, found, old):
+    assert text == rendered(text, SOURCES, found, old), f"{page}: make pages"
+
+
+def test_a_number_of_the_readme_changed_by_hand_names_the_page(old):
+    text = rendered(README.read_text(encoding="utf-8"), SOURCES, RESULTS, old)
+    check("README.md", text, RESULTS, old)
+    ends = [m.end() - 1 for m in re.finditer(r"\d(?=<!--/-->)", text)]
+    assert len(ends) > 20
+    for end in ends:
+        other = text[:end] + str((int(text[end]) + 1) % 10) + text[end + 1 :]
+        with pytest.raises(AssertionError, match=r"README\.md: make pages"):
+            check("README.md", other, RESULTS, old)
 
 
 @pytest.mark.parametrize("name", claims())
@@ -57,7 +81,49 @@ def test_each_number_of_the_manifest_stands_in_a_page():
 def test_results_are_those_of_the_lines_and_values_of_the_manifest():
     for name, source in SOURCES.items():
         assert RESULTS[name].lines == source.lines, f"make pages NAME={name}"
-        assert RESULTS[name].values.keys() == source.values.keys(), f"make pages NAME={name}"
+        values = {"seed", "data", "pixels"} if source.drawn_by else source.values.keys()
+        assert RESULTS[name].values.keys() == values, f"make pages NAME={name}"
+    assert RESULTS.keys() == SOURCES.keys()
+
+
+@pytest.mark.parametrize("file", PNGS, ids=lambda file: file.name)
+def test_a_picture_says_what_made_it_of_which_data(file):
+    assert stamps(file) == chunks(file.name, RESULTS[file.name])
+    assert pixels(file) == RESULTS[file.name].values["pixels"]
+
+
+@pytest.mark.parametrize("key", ["Software", "Source", "Seed", "Data", "Code"])
+def test_a_picture_without_a_chunk_or_with_another_is_noticed(tmp_path, key):
+    for name, value in (("seed", "1"), ("data", "0" * 16)):
+        result = RESULTS["why.png"]
+        shutil.copy(IMAGES / "why.png", file := tmp_path / "why.png")
+        stamp(file, replace(result, values=result.values | {name: value}))
+        assert stamps(file) != chunks("why.png", result)
+    with Image.open(IMAGES / "why.png") as image:
+        image.save(tmp_path / "bare.png")
+    assert key in stamps(IMAGES / "why.png").keys() - stamps(tmp_path / "bare.png").keys()
+
+
+def test_each_picture_stands_in_a_page_and_is_made_by_its_name():
+    used = {name for page in pages() for name in images(page.read_text(encoding="utf-8"))}
+    assert used == pictures().keys() == {file.name for file in PNGS}
+
+
+def test_the_data_of_a_claims_picture_are_the_rows_of_its_page():
+    for name, source in pictures().items():
+        if source.claim:
+            assert RESULTS[name].values["data"] == digest(table(claim_page(source.claim)))
+
+
+def test_data_that_differ_have_another_digest_and_rounding_has_none():
+    data = {"k": [0, 1.0], "rms": 12.3}
+    assert digest(data) == digest({"rms": 12.3 * (1 + 1e-12), "k": (0, 1.0)})
+    assert digest(data) != digest(data | {"rms": 12.30001})
+
+
+def test_few_pictures_have_data_that_nobody_stored():
+    unknown = [name for name in pictures() if RESULTS[name].values["data"] == UNKNOWN]
+    assert len(unknown) <= 2
 
 
 def test_the_default_run_gives_the_numbers_that_are_stored(old):
@@ -112,3 +178,9 @@ def test_a_constant_of_the_physics_changes_the_age_of_a_page_and_a_comment_does_
             file.write(text)
         ages.append(code(entry, root))
     assert ages[0] == ages[1] != ages[2]
+    found = RESULTS | {"default": replace(RESULTS["default"], code=ages[0])}
+    text = rendered(README.read_text(encoding="utf-8"), SOURCES, found, lambda _: False)
+    for age in ages[:2]:
+        check("README.md", text, found, lambda n, age=age: n == "default" and found[n].code != age)
+    with pytest.raises(AssertionError, match=r"README\.md: make pages"):
+        check("README.md", text, found, lambda n: n == "default" and found[n].code != ages[2])

@@ -13,6 +13,8 @@ from armside.sim.motion.contour import Circle
 from armside.sim.motion.path import CuttingPath, Plane
 from armside.sim.motion.tool_motion import plan_cut
 from armside.sim.records.signals import RecordedRun
+from armside.sim.replay import film
+from armside.sim.replay.paths import Contour
 from armside.sim.robot.recording import Recording, Truth
 
 RADIUS = 0.005
@@ -252,3 +254,20 @@ def test_the_camera_is_widened_until_no_shape_is_cut_off_and_no_further():
     mj.cam_fovy[i] = wide
     widen(mj, data, camera, 4.0 / 3.0)
     assert mj.cam_fovy[i] == wide
+
+
+def test_a_small_round_hole_of_a_part_is_drawn_as_wide_as_high():
+    turn = np.linspace(0.0, 2.0 * np.pi, 80)  # 10 mm at 100 mm/s, a point every 4 ms
+    circle, outline = np.column_stack([np.cos(turn), np.sin(turn)]), np.array([-0.15, 0.15])
+    part = Contour.__new__(Contour)
+    part.programmed = np.vstack([0.005 * circle, np.column_stack([outline, outline])])
+    part.normal, part.time = np.vstack([circle, circle[:2]]), np.arange(82.0)
+    part.cutting, part.tool = np.arange(82) < 80, np.full(82, 1e-4)
+    part.pieces, part.between = [slice(0, 41), slice(40, 80)], [slice(80, 82)]
+    drawn = np.asarray(film._Panel([part], None).draw("", [(part, part.tool, None, 4)]))
+    middle = slice(film.HEIGHT // 2 - 30, film.HEIGHT // 2 + 30)
+    ink = 255.0 - drawn[middle, middle, 2]
+    at = np.arange(60.0)
+    spread = [np.sqrt(np.cov(at, aweights=ink.sum(axis=axis))) for axis in (0, 1)]
+    assert spread[0] > 4.0
+    assert spread[0] == pytest.approx(spread[1], rel=0.02)

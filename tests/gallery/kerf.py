@@ -1,0 +1,4 @@
+"""Kerf of a square, before learning and after five updates."""
+
+LINE = "laser --shape square --size 20"
+DRAWN = "kerf.png"
