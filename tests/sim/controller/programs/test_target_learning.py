@@ -12,6 +12,7 @@ from armside.sim.controller.programs import (
     PlannedProgram,
     ProgramPlant,
     learn_targets,
+    learned_in,
     read_program,
     rows_of,
 )
@@ -155,3 +156,12 @@ def test_another_interpolator_than_assumed_leaves_less_than_the_uncorrected_prog
     plant = ProgramPlant.of(other)
     before, after = learn_targets(made, measure_of("tracker"), 1, plant=plant)
     assert after.tool_true.rms < 0.5 * before.tool_true.rms
+
+
+def test_a_program_learned_inside_a_twin_leaves_an_eighth_in_its_first_run():
+    """Of a twin that is the robot itself, without its noise."""
+    made = PlannedProgram.of(prepare(Cut(), seed=3), 2e-3)
+    start = learned_in(made, made.experiment.loaded.model)
+    (before,) = learn_targets(made, measure_of("tracker"), 0)
+    (first,) = learn_targets(made, measure_of("tracker"), 0, start=start)
+    assert first.tool_true.rms < 0.125 * before.tool_true.rms
