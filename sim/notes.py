@@ -28,6 +28,8 @@ class Cause(Enum):
     """Samples of the IMU were bridged, or not used at all."""
     TWIN = "twin"
     """A digital twin was not trusted, or has to be commissioned again."""
+    PROGRAM = "program"
+    """A program was written without its correction."""
     TOOL = "tool"
     """The tool got worse although the learned output did not."""
 

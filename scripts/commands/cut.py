@@ -14,7 +14,7 @@ from armside.sim.records.summary import dumps, summary
 from ..cutting.cut_run import fail_unless_done, ready
 from ..cutting.earlier import FromCfg, save_state, started
 from ..cutting.part_options import CutCfg, drawing, part_cut
-from ..cutting.part_program import write_program
+from ..cutting.part_program import Learner, without_twin, write_program
 from ..figures.part_results import show_plan, show_results, write_plan, write_results
 from ..shell.console import Report
 from ..shell.errors import checking_input
@@ -36,7 +36,7 @@ def cut(
     Writes summary.json, plan.png and, unless --plan-only, part.png, errors.png, signals.parquet of
     the first and last run, replay.rrd and state.npz (for --from, which needs no drawing).
     """
-    report, made, lines = Report(common), None, list[str]()
+    report, made, learner, lines = Report(common), None, None, list[str]()
     with checking_input():
         cfg, common, before = started(of.start, "cut", cfg, common)
         part = drawing(part, before)
@@ -44,10 +44,11 @@ def cut(
         plan = what.plan
         if not cfg.plan_only:
             made = ready(what, measure_of(cfg.measure), common.seed, before)
+            learner = None if cfg.as_program is None else Learner.of(made, cfg)
     show_plan(report, plan)
     about: dict[str, Any] = {"part": part}
     if made is not None:
-        made = made.corrected_by(cfg.twin)
+        made = made.corrected_by(without_twin(cfg))
     with RunFolder("cut", seed=common.seed, out=common.out) as folder:
         write_plan(folder, plan)
         if made is None:
@@ -55,20 +56,23 @@ def cut(
             found = what.plan_entries()
             outcome, notes = summary("cut", cfg, common, **about, **found), found["notes"]
             if cfg.as_program is not None:
-                lines, outcome["program"] = write_program(folder, what, cfg)
+                lines, outcome["program"], _ = write_program(folder, what, cfg)
             (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
         else:
             ends = list[Iteration]()
             with report.progress("cutting", total=cfg.iterations + 1) as step:
-                learned = made.iterations(cfg.iterations, 1e-2 * cfg.converged or None)
+                learned = (learner or made).iterations(cfg.iterations, 1e-2 * cfg.converged or None)
                 found = results(made.experiment, _watched(learned, ends, step), of_tool=True)
             save_state(folder, ends[-1].state)
             entries, of_twin = made.entries()
+            if learner is not None and found["status"] == "done":
+                lines, entries["program"], held = write_program(
+                    folder, what, cfg, learner, ends[-1]
+                )
+                of_twin = [*of_twin, *held]
             notes = [*found["notes"], *of_twin]
             found |= about | entries | {"notes": notes}
             outcome = summary("cut", cfg, common, **found)
-            if cfg.as_program is not None and outcome["status"] == "done":
-                lines, outcome["program"] = write_program(folder, what, cfg, made, ends[-1])
             write_results(folder, made.experiment, ends, outcome)
     report.notes(notes)
     if made is not None:

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, cast, get_args
 import numpy as np
 from cyclopts import Parameter
 
+from armside.ilc.workbench.compare import read_states
 from armside.sim.controller import correction_export
 from armside.sim.controller.correction_export import RATES, Form
 from armside.sim.controller.gate import Beyond, GateError, exceeded, let_through
 from armside.sim.controller.limits import GuidanceLimits
-from armside.sim.controller.programs import corrected_by, read_program_file
+from armside.sim.controller.programs import corrected_by, displaced, read_program_file
 from armside.sim.controller.stored_correction import StoredCorrection, stored_correction
 from armside.sim.records.atomic import write_bytes
 from armside.sim.records.files import check_file_to_write
@@ -24,6 +25,7 @@ from armside.sim.records.tables import write_table
 from armside.sim.robot.kinematics_check import cell_model
 from armside.sim.robot_file.find import find_cell, load_robot
 
+from ..cutting.earlier import STATE
 from ..shell.console import Report, keep
 from ..shell.errors import InputError, checking_input, needs
 from ..shell.options import SOME, Common, FileToRead, FileToWrite, Limits, options
@@ -209,12 +211,20 @@ def _export_program(report: Report, run: Path, into: Path, cfg: ExportCfg, commo
             if each.exists() and each.samefile(into.with_name(text.name)):
                 raise InputError(f"{each} is the program itself: give another --file")
             check_file_to_write(each)
-        correction = stored_correction(stored, cfg.law)
-        cell = _cell(cfg, correction)
-        if cell is None:
-            raise InputError("a program needs a robot, and the run names none: give --robot")
-        beyond, notes = _let_through(run, cfg, correction, cell)
-        made = corrected_by(program, stored.path, correction, cell, cell_model(cell).drives)
+        beyond, notes = list[str](), list[str]()
+        if stored.summary["config"].get("as_program"):
+            (state,) = read_states(stored.file(STATE)).values()
+            end = stored.summary["status"]
+            if state is None or end != "done":
+                raise InputError(f"{run} ended as {end}: it left no targets to take over")
+            made = displaced(program, stored.path, state.loop.correction)
+        else:
+            correction = stored_correction(stored, cfg.law)
+            cell = _cell(cfg, correction)
+            if cell is None:
+                raise InputError("a program needs a robot, and the run names none: give --robot")
+            beyond, notes = _let_through(run, cfg, correction, cell)
+            made = corrected_by(program, stored.path, correction, cell, cell_model(cell).drives)
     for each, text in zip(files, made.texts, strict=True):
         write_bytes(each, text.content.encode("latin-1"))
     found = {key: value for key, value in vars(made).items() if key != "texts"}

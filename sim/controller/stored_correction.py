@@ -64,6 +64,9 @@ def stored_correction(run: StoredRun, law: str | None = None) -> StoredCorrectio
         raise InputError(f"{run.folder} is a run of {run.experiment}: {runs} a correction")
     if law is not None:
         raise InputError(f"{run.folder} is a run of {run.experiment}, with one law: leave it out")
+    if run.summary["config"].get("as_program"):
+        kept = "its correction is in the targets of its program, not in samples of the motors"
+        raise InputError(f"{run.folder} was run as a program: {kept}")
     last = run.signals.runs[-1]
     log = last.recording
     return StoredCorrection(

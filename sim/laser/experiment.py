@@ -38,11 +38,20 @@ class Pass:
     recording: Recording
     tracker: TrackerSamples
     imu: ImuSamples | None = None
+    clock: tuple[Array, Array] | None = None
+    """(P,) [s] of the run, and of the experiment's motion at the same places, where they differ."""
+
+    def of_motion(self, time: Array) -> Array:
+        """Times of the experiment's motion [s] at which it is where the run is at `time` [s]."""
+        if self.clock is None:
+            return time
+        run, motion = self.clock
+        return np.interp(time, run, motion) + np.maximum(time - run[-1], 0.0)
 
     @property
     def tracked(self) -> tuple[Array, Array]:
-        """Times (K,) [s] and positions (K, 3) [m] of the tool by the tracker."""
-        return self.tracker.time, self.tracker.position
+        """Times of the motion (K,) [s] and positions (K, 3) [m] of the tool by the tracker."""
+        return self.of_motion(self.tracker.time), self.tracker.position
 
     @property
     def true(self) -> tuple[Array, Array]:
@@ -50,7 +59,7 @@ class Pass:
         truth, seen = self.recording.truth, self.tracker.time
         step = float((seen[1] - seen[0]) / (truth.time[1] - truth.time[0]))
         every = slice(None, None, round(step))
-        return truth.time[every], truth.tool_position[every]
+        return self.of_motion(truth.time[every]), truth.tool_position[every]
 
 
 @dataclass(frozen=True)

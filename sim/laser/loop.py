@@ -72,6 +72,7 @@ def iterate(
     first: Pass | None = None,
     repeats: int = 1,
     converged: float | None = None,
+    inputs: int | None = None,
 ) -> Iterator[Iteration]:
     """The loop of `learn`, for an experiment and a measure that are prepared.
 
@@ -86,6 +87,7 @@ def iterate(
         repeats: runs that are averaged in each iteration.
         converged: a contour whose learned error falls by less than this fraction in two updates
             running keeps its best correction, and learning ends when all do; None for none.
+        inputs: columns of a correction; as many as the robot has axes if None.
 
     Raises InputError where the first run is not that of the loop that is gone on from.
     """
@@ -94,7 +96,7 @@ def iterate(
     cut, motion, loaded = experiment.cut, experiment.motion, experiment.loaded
     plant = experiment.plant if plant is None else plant
     before, begun = (start, start.start) if isinstance(start, RunState) else (None, start)
-    u = _as_correction(begun, loaded.reference)
+    u = _as_correction(begun, loaded.reference, inputs)
     runs = [plant.run(u.copy()) if first is None else first]
     output = set_up(runs[0])
     reference = as_record(output.reference, "reference")
@@ -168,12 +170,13 @@ def generators(plant: Any) -> list[np.random.Generator]:
     return [plant.rng, *([] if plant.imu is None else [plant.imu.rng])]
 
 
-def _as_correction(start: Array | None, reference: Array) -> Array:
+def _as_correction(start: Array | None, reference: Array, inputs: int | None = None) -> Array:
+    shape = (len(reference), inputs or reference.shape[1])
     if start is None:
-        return np.zeros_like(reference)
+        return np.zeros(shape)
     found = as_record(start, "start")
-    if found.shape != reference.shape:
-        needed = f"the shape {reference.shape} of the reference"
+    if found.shape != shape:
+        needed = f"the shape {shape} of the reference"
         raise ValueError(f"start must have {needed}, got {found.shape}")
     return found
 

@@ -91,7 +91,7 @@ class PartCut(Setup[PartMotion]):
         self, motion: PartMotion, time: Array, position: Array, *, edges: bool = True
     ) -> tuple[ContourError, ...]:
         """At the log rate: a part is long, and its errors are slow."""
-        every = stride(rate_of(time), 1.0 / LOG_PERIOD)
+        every = max(round(rate_of(time) * LOG_PERIOD), 1)  # a program has a clock of its own
         beam = self.cutting.beam if edges else None
         return contour_errors(motion, time[::every], position[::every], beam)
 

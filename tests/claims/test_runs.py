@@ -88,9 +88,10 @@ def test_an_outline_of_700_mm_is_learned_from_the_estimate():
     assert failing(table_of(long_way, [(100, "p2", "300 x 80 mm, 80 mm/s")])) == []
 
 
-def test_a_program_keeps_most_of_a_correction():
-    """Seed 100 is none of those that judge; the same bars."""
-    table = table_of(programs, [(100, "circle, radius 5 mm, 40 mm/s")])
+def test_targets_are_learned_on_an_unseen_individual_and_by_another_controller():
+    """Seed 100 and its individual are none of those that judge; the same bars."""
+    circle = "circle, radius 5 mm, 40 mm/s"
+    table = table_of(programs, [(100, 1001, circle, how) for how in ("tracker", "other")])
     assert failing(table) == []
 
 

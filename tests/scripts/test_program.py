@@ -2,10 +2,12 @@
 
 import json
 
+import numpy as np
 import pytest
+from scipy.spatial import KDTree
 
 from armside.scripts.cli import main
-from armside.sim.controller import gate
+from armside.scripts.cutting import part_program
 from armside.sim.controller.programs import read_program_file, rows_of
 
 HOLE = """<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="40mm" viewBox="0 0 40 40">
@@ -26,36 +28,64 @@ def place(tmp_path_factory):
     return folder
 
 
-def test_export_into_a_program_is_what_cut_writes(place, capsys):
+def paths(file):
+    (row,) = rows_of(read_program_file(file))
+    w = row.samples()
+    return row.path(w[w > 2.0])  # without the way to the contour
+
+
+def test_export_into_a_program_follows_the_targets_that_were_learned(place, capsys):
+    """Of a fresh program of the same contour: but for the chord error of either."""
     before, corrected = place / "plan/armside.mod", place / "run/armside.mod"
     assert main(["export", str(place / "run"), "--into", str(before), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     written = before.with_name("armside-corrected.mod")
-    assert written.read_bytes() == corrected.read_bytes() != before.read_bytes()
     assert found["changed"] == found["targets"] > 10
-    entry = json.loads((place / "run/summary.json").read_text(encoding="utf-8"))["program"]
-    assert entry["largest_offset"] == found["largest_offset"]
+    away = KDTree(paths(written)).query(paths(corrected))[0]
+    chord = json.loads((place / "plan/summary.json").read_text(encoding="utf-8"))["program"]
+    assert np.median(away) < chord["chord_error"] < 1e-4
+    assert np.median(KDTree(paths(before)).query(paths(written))[0]) > 3e-4
+    summary = json.loads((place / "run/summary.json").read_text(encoding="utf-8"))
+    entry, rows = summary["program"], summary["iterations"]
+    assert rows[1]["arm_rms_true"] < 0.3 * rows[0]["arm_rms_true"]
+    assert entry["largest_offset"] == pytest.approx(found["largest_offset"], rel=0.1)
     assert 1e-4 < entry["largest_offset"] < 3e-3
     assert entry["spacing"] == 0.0015
-    (row,) = rows_of(read_program_file(written))
-    assert entry["blocks_per_second"] == pytest.approx(0.1 / row.spacing[1:].min(), rel=0.2)
+    (row,) = rows_of(read_program_file(corrected))
+    assert entry["blocks_per_second"] == pytest.approx(0.1 / row.spacing.min(), rel=1e-3)
 
 
-def test_a_correction_beyond_the_gate_enters_no_program(place, monkeypatch, tmp_path, capsys):
-    """Gate of a tenth of a milliradian, in place of 5 degrees."""
-    monkeypatch.setitem(gate.LIMITS, "size", (1e-4, 1e-4))
-    before, file = place / "plan/armside.mod", tmp_path / "a.mod"
-    words = ["export", str(place / "run"), "--into", str(before), "--file", str(file)]
-    assert main(words) == 2
-    assert "size: the correction of axis" in capsys.readouterr().err
-    assert not file.exists()
-    assert main([*words, "--beyond", "size", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["notes"][0].startswith("beyond size: ")
+def test_targets_that_move_too_far_are_held_back_with_a_note(place, monkeypatch, tmp_path, capsys):
+    """Bound of a tenth of a millimetre, in place of 5 mm."""
+    monkeypatch.setattr(part_program, "LARGEST_OFFSET", 1e-4)
     cut = ["cut", str(place / "hole.svg"), "--speed", "100", "--as-program", "rapid", "--quiet"]
     learn = ["--spacing", "1.5", "--iterations", "1", "--measure", "tracker"]
     assert main([*cut, *learn, "--json", "--out", str(tmp_path / "held")]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["program"]["largest_offset"] == 0.0
+    (note,) = (note for note in found["notes"] if note["cause"] == "program")
+    assert "at most 0.1 mm are allowed: the program is not corrected" in note["text"]
+    before = place / "plan/armside.mod"
     assert (tmp_path / "held/armside.mod").read_bytes() == before.read_bytes()
-    assert json.loads(capsys.readouterr().out)["program"]["largest_offset"] == 0.0
+
+
+def test_a_program_is_gone_on_from_and_samples_of_motors_are_not(place, tmp_path, capsys):
+    """Run k = 2 of one loop and of two are the same."""
+    start, out = str(place / "run"), str(tmp_path / "more")
+    learn = ["--iterations", "1", "--json", "--quiet"]
+    assert main(["cut", "--from", start, *learn, "--out", out]) == 0
+    rows = json.loads(capsys.readouterr().out)["iterations"]
+    assert [row["k"] for row in rows] == [0, 2]
+    stored = json.loads((place / "run/summary.json").read_text(encoding="utf-8"))
+    assert rows[0]["arm_rms"] == stored["iterations"][0]["arm_rms"]
+    samples = ["cut", str(place / "hole.svg"), "--speed", "100", "--iterations", "0", "--quiet"]
+    assert main([*samples, "--out", str(tmp_path / "samples")]) == 0
+    words = ["cut", "--from", str(tmp_path / "samples"), "--as-program", "krl"]
+    words += ["--out", str(tmp_path / "other")]
+    assert main(words) == 2
+    assert "start from a run with --as-program" in capsys.readouterr().err
+    assert main(["export", start, "--to", "csv", "--file", str(tmp_path / "u.csv")]) == 2
+    assert "in the targets of its program" in capsys.readouterr().err
 
 
 def test_the_persons_program_is_never_written_over(place, capsys):

@@ -1,10 +1,17 @@
 from .correction import Corrected as Corrected
 from .correction import corrected as corrected
 from .correction import corrected_by as corrected_by
+from .correction import displaced as displaced
 from .new_program import automatic_spacing as automatic_spacing
 from .new_program import new_program as new_program
 from .program_text import Language as Language
 from .program_text import ProgramText as ProgramText
 from .read import read_program as read_program
 from .read import read_program_file as read_program_file
+from .target_learning import learn_targets as learn_targets
+from .target_learning import learned_in as learned_in
 from .tool_path import rows_of as rows_of
+from .virtual_run import VIRTUAL as VIRTUAL
+from .virtual_run import Interpolator as Interpolator
+from .virtual_run import PlannedProgram as PlannedProgram
+from .virtual_run import ProgramPlant as ProgramPlant

@@ -272,10 +272,17 @@ def corrected_by(
     u = correction_path(stored.correction, period, 1, delay, lag).position
     pose, r = kinematics.compile(cell.robot).pose, stored.reference
     moved, at = (pose(np.ascontiguousarray(phi))[:, :3, 3] for phi in (r + u, r))
+    return displaced(program, motion, moved - at)
+
+
+def displaced(
+    program: ProgramText, motion: ToolMotion | PartMotion, displacement: Array
+) -> Corrected:
+    """The program on a motion's path that is displaced by (N, 3) [m]. Raises as `corrected`."""
     ends = [(motion.time[0], motion.time[-1])]
     if isinstance(motion, PartMotion):
         ends = [(cut.start, cut.end) for cut in motion.cuts]
     programmed, time = motion.position, motion.time
     masks = [(time >= first) & (time <= last) for first, last in ends]
-    spans = [(programmed[m], (programmed + moved - at)[m]) for m in masks]
+    spans = [(programmed[m], (programmed + displacement)[m]) for m in masks]
     return corrected(program, spans, from_quaternion(motion.quaternion[0]))

@@ -4,7 +4,7 @@ Its tool is the bare flange and its work object the robot's base, as in a run. W
 owner knows is not guessed: the header says what must be set before it runs.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -115,11 +115,17 @@ def automatic_spacing(motion: PartMotion, pass_band: float) -> float:
 
 
 def new_program(
-    motion: PartMotion, language: Language, spacing: float, rapid: float, name: str = "armside"
+    motion: PartMotion,
+    language: Language,
+    spacing: float,
+    rapid: float,
+    rows: Sequence[Row] | None = None,
+    name: str = "armside",
 ) -> NewProgram:
     """Program for all cuts of a motion, leads included, with straight moves between them.
 
-    spacing: [m], at most, between targets. rapid: speed [m/s] between cuts.
+    spacing: [m], at most, between targets. rapid: speed [m/s] between cuts. rows: of each cut, in
+    place of those that follow it best.
 
     Raises ValueError for too many targets.
     """
@@ -130,7 +136,8 @@ def new_program(
         fitted(lambda s, p=cut.path: motion.to_base(p.point(s)), cut.path.length, spacing)
         for cut in motion.cuts
     ]
-    closest = min(float(row.spacing.min()) for row, _ in fits)
+    own = [row for row, _ in fits] if rows is None else rows
+    closest = min(float(row.spacing.min()) for row in own)
     speed, form = motion.cuts[0].asked_speed, FORMS[language]
     length, turn = 1.0 / UNIT[language], _orientation(motion, language)
     unit = 1e3 if language == "rapid" else 1.0
@@ -146,7 +153,7 @@ def new_program(
 
     start = motion.to_base(motion.cuts[0].path.point(0.0))
     add("joint", start + np.array([0.0, 0.0, APPROACH]))
-    for (row, _), cut in zip(fits, motion.cuts, strict=True):
+    for row, cut in zip(own, motion.cuts, strict=True):
         add("rapid", row.targets[0])
         lines.append(f"{form['note']}beam on: {_plain(cut.name)}")
         for at in row.targets[1:-1]:

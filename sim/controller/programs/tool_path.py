@@ -7,7 +7,9 @@ next and the last target. So a row of MoveL is linear in its targets, path(w) = 
 zones of half the spacing it is the uniform quadratic B-spline with the targets as control points.
 """
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,6 +24,15 @@ STEP = 1e-4
 """Between samples of a path [m]."""
 SHORT = 1e-9
 """Distance of targets that are one [m]."""
+
+Corner = Literal["parabola", "quintic", "sharp"]
+CORNERS: Mapping[Corner, Callable[[Array], Array]] = {
+    "parabola": lambda x: (1.0 - x) ** 2,
+    "quintic": lambda x: (1.0 - x) ** 3 * (1.0 + x),
+    "sharp": lambda x: (1.0 - x) ** 3,
+}
+"""A(x) of a corner P + A(x) (B - P) + A(1 - x) (C - P) from B to C, ends of the zone of P. Quintic:
+without a jump of the acceleration; sharp: nearer to P, as some makers draw it. ESTIMATES"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +68,7 @@ class Row:
         """A parabola at each target and a line between: w runs from 0 to this."""
         return 2 * len(self.targets) - 3
 
-    def basis(self, w: ArrayLike) -> csr_array:
+    def basis(self, w: ArrayLike, corner: Corner = "parabola") -> csr_array:
         """N(w), (K, M), sparse, of w (K,): pieces are unit intervals of w, lines first."""
         w = np.asarray(w, dtype=np.float64)
         piece = np.clip(w.astype(int), 0, self.n_pieces - 1)
@@ -66,9 +77,8 @@ class Row:
         last = len(self.targets) - 1
         before, after = np.maximum(middle - 1, 0), np.minimum(middle + 1, last)
         f_in, f_out = f[middle, 0], f[middle, 1]
-        a, b, c = (1 - x) ** 2, 2 * x * (1 - x), x**2
-        # Control points of a parabola: P + f_in (P_before - P), P, P + f_out (P_after - P).
-        curved = (a * f_in, a * (1 - f_in) + b + c * (1 - f_out), c * f_out)
+        enter, leave = CORNERS[corner](x) * f_in, CORNERS[corner](1 - x) * f_out
+        curved = (enter, 1.0 - enter - leave, leave)
         # A line from P_i + f_out (P_i+1 - P_i) to P_i+1 + f_in (P_i - P_i+1).
         along = f_out + x * (1.0 - f[after, 0] - f_out)
         straight = (np.zeros_like(x), 1 - along, along)
@@ -79,9 +89,9 @@ class Row:
         shape = (len(w), len(self.targets))
         return csr_array((np.concatenate(weights), (rows, columns)), shape=shape)
 
-    def path(self, w: ArrayLike) -> Array:
+    def path(self, w: ArrayLike, corner: Corner = "parabola") -> Array:
         """N(w) P, (K, 3) [m]."""
-        return self.basis(w) @ self.targets
+        return self.basis(w, corner) @ self.targets
 
     def samples(self, step: float = STEP) -> Array:
         """w at even fractions of each piece, at most `step` [m] apart along the polygon."""

@@ -1,0 +1,333 @@
+"""Learning the targets of a program from the error of the tool across its path.
+
+The inputs are offsets of the targets, in the plane across the path and along the plane's normal;
+along the path an offset does nothing at constant speed. The output is the contour error: from each
+place of the tool to the nearest of the path, never to that of the same time.
+
+    c_{k+1}: e_m(c) + e_k - e_m(c_k) = 0        c <- c - (A^T A + rho (1 + r D^T D))^-1 A^T e
+
+e_m is the error of a model of the arm with its friction and lost motion, run after run
+(`laws.Simulated`). A is its sensitivity to each target, of the model without Coulomb friction: with
+it a sensitivity holds for steps of micrometres alone. D are second differences along the path.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from armside import kinematics
+from armside.arrays import Array
+from armside.ilc.laws import Law, Simulated
+from armside.ilc.laws.first_order import FirstOrderLaw
+from armside.ilc.laws.wrappers import Guarded
+
+from ...estimation.estimator import validity
+from ...estimation.nominal import nominal_arm
+from ...estimation.relative_path import relative_to_start
+from ...laser.experiment import Experiment, Iteration, Pass
+from ...laser.loop import Start, iterate
+from ...laser.measures import Measure, MotorAngles
+from ...laser.tool_measure import Source, ToolOutput, ToolPath
+from ...notes import Note
+from ...robot.effects import available
+from ...robot.individual import Individual, embodied, with_friction
+from ...robot.model import RobotModel
+from ...robot.recording import Recording
+from ...robot.run import cores, run_batch
+from ...robot.virtual_robot import LOG_PERIOD, VirtualRobot
+from .virtual_run import FINE, PlannedProgram, ProgramPlant, ProgramRun
+
+PROBE = 3e-4
+"""Offset of a target by which sensitivities are measured [m]."""
+MEMORY = 0.2
+"""Time after which a target is forgotten [s]: farther ones are probed in one run. ESTIMATE"""
+SLIDING = 0.01
+"""Coulomb friction of the model that sensitivities are those of, over that of the model."""
+RHO, SMOOTH = 1e-3, 30.0
+"""rho over the largest squared singular value of A, and r."""
+GAIN, PASSES = 0.8, 8
+LEADS = 0.03
+"""Weight of errors on leads, whose ends no target can mend."""
+SETTLED = 0.06
+"""Before the end of a row [s], from which nothing is learned."""
+BEHIND, AHEAD = 3e-3, 1.2e-3
+"""Along the path, where the place nearest to the tool is looked for [m]: tools lag behind."""
+AXES = (1.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class ContourOutput:
+    """Contour error of a run (N, 3) [m], base axes, weighted; at the instants of the plan."""
+
+    program: PlannedProgram
+    position: Callable[[Pass], tuple[Array, Array]]
+    """Positions (K, 3) [m] of the tool at the log of a run, and their validity (K,)."""
+    law: Law = field(repr=False)
+    inner: Any = None
+    """Output whose notes these are."""
+
+    @property
+    def reference(self) -> Array:
+        return np.zeros((len(self.program.experiment.motion.time), 3))
+
+    @property
+    def notes(self) -> tuple[Note, ...]:
+        return getattr(self.inner, "notes", ())
+
+    def __call__(self, run: Pass) -> Array:
+        assert run.clock is not None
+        position, valid = self.position(run)
+        return -across(self.program, position, *run.clock) * _at_plan(
+            self.program, valid[:, np.newaxis], *run.clock
+        )
+
+    def size(self, error: Array) -> Array:
+        return np.array([float(np.linalg.norm(error))])
+
+
+def _at_plan(program: PlannedProgram, signal: Array, run_time: Array, plan_time: Array) -> Array:
+    """A signal (K, n) at the log of a run, at the instants of the plan."""
+    plan = program.experiment.motion.time
+    time = np.interp(plan, plan_time, run_time) + np.maximum(plan - plan_time[-1], 0.0)
+    own = LOG_PERIOD * np.arange(len(signal), dtype=np.float64)
+    return np.stack([np.interp(time, own, column) for column in signal.T], axis=1)
+
+
+def across(program: PlannedProgram, position: Array, run_time: Array, plan_time: Array) -> Array:
+    """(N, 3) [m], from the tool to the nearest place of the contour around where it should be.
+
+    position: (K, 3) [m], base axes, at the log of a run.
+    """
+    motion = program.experiment.motion
+    tool = _at_plan(program, position, run_time, plan_time)
+    error, on_contour = np.zeros_like(tool), motion.is_on_contour(motion.time)
+    step = 2.0 * FINE
+    reach = np.arange(-round(BEHIND / step), round(AHEAD / step) + 1)
+    for stretch in program.stretches:
+        end = stretch.start + stretch.timing.duration - SETTLED
+        own = np.flatnonzero((motion.time > stretch.start) & (motion.time < end))
+        s = np.linspace(0.0, stretch.length, int(stretch.length / step) + 2)
+        path = stretch.point(s)
+        tangent = np.gradient(path, axis=0)
+        tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+        here = np.searchsorted(s, stretch.arc_length(motion.time[own]))
+        near = np.clip(here[:, np.newaxis] + reach, 0, len(s) - 1)
+        away = np.linalg.norm(path[near] - tool[own, np.newaxis], axis=2)
+        foot = near[np.arange(len(own)), away.argmin(axis=1)]
+        e, t = path[foot] - tool[own], tangent[foot]
+        weight = np.where(on_contour[own], 1.0, LEADS)
+        error[own] = weight[:, np.newaxis] * (e - np.sum(e * t, axis=1, keepdims=True) * t)
+    return error
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """The arm as it is known, in the robot's place: noise-free runs of a program."""
+
+    program: PlannedProgram
+    robot: RobotModel
+
+    def __call__(self, displacement: Array) -> Array:
+        """Contour error (N, 3) of the tool for a displaced path (N, 3) [m]."""
+        return self.errors([self.program.offsets(displacement)])[0]
+
+    def errors(self, offsets: list[Array], robot: RobotModel | None = None) -> list[Array]:
+        """Of several programs, on all cores."""
+        program = self.program
+        runs = [program.run(program.rows(each)) for each in offsets]
+        arm = VirtualRobot(robot or self.robot, nominal=program.controller)
+        longest = max(len(run.reference) for run in runs)
+        loaded = [arm.load(_held(run.reference, longest)) for run in runs]
+        nothing = [None] * len(runs)
+        found = run_batch(loaded, nothing, nothing, threads=min(cores(), len(runs)))
+        return [self._error(*each) for each in zip(found, runs, strict=True)]
+
+    def _error(self, recording: Recording, run: ProgramRun) -> Array:
+        start = self.program.experiment.programmed[0]
+        return across(self.program, start + _tool(recording), run.run_time, run.plan_time)
+
+    @cached_property
+    def sensitivity(self) -> list[tuple[np.ndarray, np.ndarray, Array]]:
+        """Of each stretch: its targets (F,), instants (K,), and A (3 K, 2 F)."""
+        program, time = self.program, self.program.experiment.motion.time
+        first, frames = program.ends, [stretch.frame for stretch in program.stretches]
+        n = max(
+            int(np.ceil(3.0 + MEMORY * s.timing.top_speed / s.row.spacing.min()))
+            for s in program.stretches
+        )
+        frame, none = np.concatenate(frames), np.zeros((first[-1], 3))
+        probes = [(k, d) for k in range(n) for d in (0, 1)]
+        tried = list[Array]()
+        for k, d in probes:
+            offset = np.zeros_like(none)
+            own = program.free[k::n]
+            offset[own] = PROBE * frame[own, d]
+            tried.append(offset)
+        robot = with_friction(self.robot, SLIDING)
+        base, *moved = self.errors([none, *tried], robot)
+        felt = np.abs(program.basis.toarray()) > 0.0
+        begins = np.where(felt.any(axis=0), felt.argmax(axis=0), len(time))
+        found = list[tuple[np.ndarray, np.ndarray, Array]]()
+        for i, stretch in enumerate(program.stretches):
+            rows = np.flatnonzero(
+                (time >= stretch.start) & (time <= stretch.start + stretch.timing.duration)
+            )
+            own = program.free[(program.free >= first[i]) & (program.free < first[i + 1])]
+            A = np.zeros((len(rows), 3, len(own), 2))
+            for (k, d), error in zip(probes, moved, strict=True):
+                probed = np.intersect1d(program.free[k::n], own)
+                of = np.searchsorted(begins[probed], rows, side="right") - 1
+                change = (error - base)[rows] / PROBE
+                for j, target in enumerate(probed):
+                    A[of == j, :, np.searchsorted(own, target), d] = change[of == j]
+            found.append((own, rows, A.reshape(3 * len(rows), -1)))
+        return found
+
+
+def _held(reference: Array, n: int) -> Array:
+    return np.vstack([reference, np.repeat(reference[-1:], n - len(reference), axis=0)])
+
+
+def _tool(recording: Recording) -> Array:
+    every = round(LOG_PERIOD / float(recording.truth.time[1]))
+    return relative_to_start(recording.truth.tool_position[::every])[:, :3]
+
+
+@dataclass(frozen=True, eq=False)
+class TargetStep(FirstOrderLaw):
+    """One step of all targets by the sensitivities of a model."""
+
+    model: Model
+
+    def check(self, n_samples: int, n_columns: int) -> None:
+        if n_columns != 3:
+            raise ValueError(f"displacements of a path have 3 columns, got {n_columns}")
+
+    @cached_property
+    def _inverses(self) -> list[Array]:
+        """(2 F, 3 K) of each stretch."""
+        found = list[Array]()
+        for own, _, A in self.model.sensitivity:
+            D = np.kron(np.diff(np.eye(len(own)), 2, axis=0), np.eye(2))
+            square = A.T @ A
+            rho = RHO * np.linalg.norm(square, ord=2)
+            kept = square + rho * (np.eye(len(square)) + SMOOTH * D.T @ D)
+            found.append(np.asarray(np.linalg.solve(kept, A.T), dtype=np.float64))
+        return found
+
+    def __call__(self, correction: Array, error: Array, /) -> Array:
+        program = self.model.program
+        frame = np.concatenate([stretch.frame for stretch in program.stretches])
+        offset = np.zeros((program.ends[-1], 3))
+        each = zip(self.model.sensitivity, self._inverses, strict=True)
+        for (own, rows, _), inverse in each:
+            step = -GAIN * (inverse @ error[rows].ravel()).reshape(-1, 2)
+            offset[own] = np.einsum("fd,fdi->fi", step, frame[own])
+        return correction + program.basis @ offset
+
+
+def law_of(model: Model) -> Simulated:
+    """Learning on the model between two runs of the robot."""
+    step = TargetStep(model)
+    return Simulated(simulation=model, law=step, weight=AXES, passes=PASSES)
+
+
+def contour_measure(
+    program: PlannedProgram, measure: Measure, robot: RobotModel | None = None
+) -> Callable[[Pass], ContourOutput]:
+    """Contour errors by a measure of the cut, set up by a first run.
+
+    robot: model that targets are learned on, such as a twin's; None: the nominal robot, on the
+    springs that the measure assumes or identifies.
+
+    Raises ValueError for a measure that programs cannot be learned from.
+    """
+    experiment = program.experiment
+    nominal, start = experiment.nominal, experiment.programmed[0]
+    if isinstance(measure, MotorAngles):
+        pose = kinematics.compile(experiment.cut.cell.robot).pose
+        asked = program.run(program.rows(np.zeros((program.ends[-1], 3))))
+        at = (asked.run_time, asked.plan_time)
+
+        def commanded(phi: Array) -> Array:
+            return np.ascontiguousarray(pose(np.ascontiguousarray(phi))[:, :3, 3])
+
+        shift = experiment.programmed - _at_plan(program, commanded(asked.reference), *at)
+
+        def by_motors(run: Pass) -> tuple[Array, Array]:
+            log = run.recording
+            own = [np.interp(run.of_motion(log.time), experiment.motion.time, c) for c in shift.T]
+            return commanded(log.motor_angle) + np.stack(own, axis=1), np.ones(len(log.time))
+
+        model = Model(program, robot or nominal)
+        return lambda _: ContourOutput(program, by_motors, law_by(model))
+    if not isinstance(measure, ToolPath):
+        raise ValueError(f"programs are learned from motors or the tool, not from {measure}")
+    set_up = measure.prepare(experiment)
+
+    def ready(first: Pass) -> ContourOutput:
+        output = set_up(first)
+        assert isinstance(output, ToolOutput)
+
+        def by_tool(run: Pass) -> tuple[Array, Array]:
+            if measure.source is not Source.ESTIMATE:
+                return start + output(run)[:, :3], np.ones(len(run.recording.time))
+            found = output.estimated(run)
+            return start + found.displacement[:, :3], validity(found, run.recording.time).weight
+
+        model = Model(program, robot or _known(experiment, output))
+        return ContourOutput(program, by_tool, law_by(model), output)
+
+    return ready
+
+
+def law_by(model: Model) -> Law:
+    """The law on a model, which goes back to its best run where errors grow."""
+    return Guarded(law=law_of(model), weight=AXES)
+
+
+def _known(experiment: Experiment[Any], output: ToolOutput) -> RobotModel:
+    """The nominal robot on the springs of gears that are assumed, or identified by an IMU."""
+    nominal, springs = experiment.nominal, output.known.parameters.springs
+    individual = Individual(
+        gear_stiffness=springs.stiffness[springs.axes] / nominal_arm(nominal).stiffness
+    )
+    return embodied(nominal, individual, available(nominal), phi=experiment.loaded.reference[0])
+
+
+def learn_targets(
+    program: PlannedProgram,
+    measure: Measure,
+    iterations: int,
+    *,
+    start: Start | None = None,
+    robot: RobotModel | None = None,
+    converged: float | None = None,
+    plant: ProgramPlant | None = None,
+) -> Iterator[Iteration]:
+    """Runs k = 0 .. `iterations` of a program whose targets are learned.
+
+    Its corrections are displacements of the path (N, 3) [m]; `program.offsets` has the targets'.
+
+    robot: as of `contour_measure`. plant: runs the program in place of the virtual robot.
+
+    Raises as `contour_measure` and `iterate`.
+    """
+    return iterate(
+        program.experiment,
+        contour_measure(program, measure, robot),
+        iterations,
+        plant=plant or ProgramPlant.of(program),
+        start=start,
+        converged=converged,
+        inputs=3,
+    )
+
+
+def learned_in(program: PlannedProgram, robot: RobotModel) -> Array:
+    """Displacement of the path (N, 3) [m] that a model of the robot, such as a twin, needs."""
+    model, none = Model(program, robot), np.zeros((len(program.experiment.motion.time), 3))
+    return replace(law_of(model), passes=2 * PASSES)(none, model(none))

@@ -1,0 +1,319 @@
+"""Virtual controllers that take programs: rows of linear moves, run by a robot of ours.
+
+The path of a row is `Row.path` with the controller's corner. Its speed is that of the plan, block
+for block: a block that targets made longer takes longer. So runs differ in length, and each has the
+time of the plan at which it is at the same place, `ProgramRun.plan_time`.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
+
+from armside.arrays import Array
+
+from ...laser.experiment import CuttingPlant, Experiment, Pass
+from ...motion.timing import Timing
+from ...motion.tool_motion import joint_reference
+from ...part.motion import PartMotion
+from ...robot.statics import Statics, anticipated_shift, smoothed
+from ...robot.virtual_robot import LOG_PERIOD, VirtualRobot
+from .new_program import CLOSE, fitted
+from .tool_path import Corner, Row
+
+FINE = 2e-5
+"""Between samples of a path [m]: their chords are off by 1e-8 m on a radius of 5 mm."""
+TICK = 5e-4
+"""Between samples of a plan [s]."""
+REST_AFTER = 0.35
+"""[s], as of a cut."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Interpolator:
+    """How a controller follows a row of targets. All of it is assumed: no maker publishes it."""
+
+    corner: Corner = "parabola"
+    dip: float = 0.0
+    """Fraction of the speed that is lost at each target."""
+    block_time: float = 0.0
+    """Least time of a block [s]."""
+    look_ahead: int = 0
+    """Blocks within which it can stop at any time, by `acceleration`; 0 for no such limit."""
+    acceleration: float = 1.3
+    """[m/s^2], as `PathLimits`."""
+    cycle: float = LOG_PERIOD
+    """Between set points [s], which it joins by straight lines."""
+    single: bool = False
+    """Targets are rounded to single precision of a millimetre."""
+
+
+ASSUMED = Interpolator()
+"""Parabolas and the programmed speed."""
+VIRTUAL: Mapping[str, Interpolator] = {
+    "quintic corners": Interpolator(corner="quintic"),
+    "sharp corners, 10 % dips": Interpolator(corner="sharp", dip=0.1),
+    "30 % dips": Interpolator(dip=0.3),
+    "look-ahead of three blocks of at least 12 ms": Interpolator(look_ahead=3, block_time=0.012),
+    "set points each 12 ms, single precision": Interpolator(cycle=0.012, single=True),
+}
+"""Other controllers than the assumed one."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Stretch:
+    """One row of targets in the plan, from rest to rest."""
+
+    row: Row
+    """Targets [m] of TCP0 in base axes."""
+    point: Callable[[Array], Array] = field(repr=False)
+    """Points (K, 3) [m] of the contour, leads included, at arc lengths [m]."""
+    length: float
+    """[m]."""
+    timing: Timing
+    start: float
+    """[s]."""
+
+    frame: Array = field(repr=False)
+    """(M, 2, 3): directions that a target moves in, across the path and along the normal."""
+
+    def arc_length(self, time: Array) -> Array:
+        """Of the contour [m] at times of the plan [s]."""
+        return np.clip(self.timing.at(time - self.start)[0], 0.0, self.length)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ProgramRun:
+    """Reference of one run of a program."""
+
+    reference: Array
+    """(K, n) [rad]."""
+    run_time: Array
+    plan_time: Array
+    """(P,) [s], the run and the plan at the same places."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PlannedProgram:
+    """A program for the contours of an experiment, whose targets can be moved.
+
+    Displacements of the path are its inputs, (N, 3) [m] at the instants of the plan: N(w) times the
+    offsets of the targets. The first and the last target of a row stay.
+    """
+
+    experiment: Experiment[Any]
+    stretches: tuple[Stretch, ...]
+    interpolator: Interpolator = ASSUMED
+    apart: bool = False
+    """Zones may not meet, as of URScript."""
+
+    @classmethod
+    def of(
+        cls, experiment: Experiment[Any], spacing: float, *, apart: bool = False
+    ) -> "PlannedProgram":
+        """With targets at most `spacing` [m] apart."""
+        motion = experiment.motion
+        normal = motion.plane.axes[:, 2]
+        if isinstance(motion, PartMotion):
+            paths = [
+                (lambda s, p=cut.path: motion.to_base(p.point(s)), cut.path.length, cut)
+                for cut in motion.cuts
+            ]
+            each = [(at, length, cut.timing, cut.start) for at, length, cut in paths]
+        else:
+            path = motion.path
+            each = [(path.position, path.length, motion.timing, motion.rest_before)]
+        found = list[Stretch]()
+        for point, length, timing, start in each:
+            row, _ = fitted(point, length, spacing)
+            tangent = np.gradient(row.targets, axis=0)
+            across = np.cross(normal, tangent)
+            across /= np.linalg.norm(across, axis=1, keepdims=True)
+            frame = np.stack([across, np.broadcast_to(normal, across.shape)], axis=1)
+            found.append(
+                Stretch(
+                    row=row, point=point, length=length, timing=timing, start=start, frame=frame
+                )
+            )
+        return cls(experiment=experiment, stretches=tuple(found), apart=apart)
+
+    @cached_property
+    def basis(self) -> csc_array:
+        """(N, M), displacement of the path at each instant of the plan for offsets of targets."""
+        time, blocks = self.experiment.motion.time, list[csc_array]()
+        for stretch in self.stretches:
+            w = stretch.row.samples(FINE)
+            along = _along(stretch.row.path(w))
+            share = stretch.arc_length(time) / stretch.length
+            blocks.append(stretch.row.basis(np.interp(share * along[-1], along, w)).tocsc())
+        inside = [
+            (time >= stretch.start) & (time <= stretch.start + stretch.timing.duration)
+            for stretch in self.stretches
+        ]
+        masked = [b.multiply(m[:, np.newaxis]) for b, m in zip(blocks, inside, strict=True)]
+        return csc_array(np.concatenate([b.toarray() for b in masked], axis=1))
+
+    @property
+    def ends(self) -> list[int]:
+        """First target of each stretch among all, and their number."""
+        return np.cumsum([0, *(len(each.row.targets) for each in self.stretches)]).tolist()
+
+    @cached_property
+    def free(self) -> np.ndarray:
+        """(F,) targets that may move."""
+        each = [np.arange(a + 1, b - 1) for a, b in zip(self.ends, self.ends[1:], strict=False)]
+        return np.concatenate(each)
+
+    def offsets(self, displacement: Array) -> Array:
+        """(M, 3) [m] of the targets, whose path is displaced by (N, 3)."""
+        own = self.basis[:, self.free]
+        found = np.zeros((self.ends[-1], 3))
+        found[self.free] = splu((own.T @ own).tocsc()).solve(own.T @ displacement)
+        return found
+
+    def rows(self, offsets: Array) -> list[Row]:
+        """Rows with moved targets."""
+        parts = np.split(offsets, self.ends[1:-1])
+        each = zip(self.stretches, parts, strict=True)
+        rows = [replace(s.row, targets=s.row.targets + by) for s, by in each]
+        if not self.apart:
+            return rows
+        zone = CLOSE * min(float(row.spacing.min()) for row in rows)
+        return [replace(row, zones=np.full(len(row.targets), zone)) for row in rows]
+
+    @cached_property
+    def controller(self) -> Statics:
+        return Statics(self.experiment.nominal)
+
+    def run(self, rows: Sequence[Row]) -> ProgramRun:
+        """The reference that the controller makes of rows of targets, one for each stretch.
+
+        Raises ValueError where it leaves the reach or the joint limits.
+        """
+        motion, cut = self.experiment.motion, self.experiment.cut
+        plan = np.arange(0.0, motion.motion_end + TICK, TICK)
+        paths = [self._path(s, row) for s, row in zip(self.stretches, rows, strict=True)]
+        plan = np.union1d(plan, np.concatenate([path.knots for path in paths]))
+        middle, slower = 0.5 * (plan[1:] + plan[:-1]), np.ones(len(plan) - 1)
+        for path in paths:
+            path.slow(slower, middle)
+        run_time = np.concatenate([[0.0], np.cumsum(slower * np.diff(plan))])
+        cycle = self.interpolator.cycle
+        n = int(np.ceil((run_time[-1] + REST_AFTER) / LOG_PERIOD)) + 1
+        time = np.arange(n, dtype=np.float64) * LOG_PERIOD
+        points = np.arange(0.0, time[-1] + cycle, cycle)
+        at = np.interp(points, run_time, plan)
+        position = motion.position_at(at)
+        for path in paths:
+            path.place(position, at)
+        position = np.stack([np.interp(time, points, column) for column in position.T], axis=1)
+        moved = _Positions(position, np.tile(motion.quaternion[0], (n, 1)))
+        robot, limits, free = cut.cell.robot, cut.cell.limits, cut.cell.free_rotation
+        start = self.experiment.loaded.reference[0]
+        phi = joint_reference(moved, robot, limits, start=start, free_rotation=free)
+        shift = smoothed(anticipated_shift(self.controller, phi, LOG_PERIOD))
+        reference = joint_reference(
+            moved, robot, limits, start=phi[0], shift=shift, free_rotation=free
+        )
+        return ProgramRun(reference=reference, run_time=run_time, plan_time=plan)
+
+    def _path(self, stretch: Stretch, row: Row) -> "_Path":
+        how = self.interpolator
+        before, corner = stretch.row, how.corner
+        if how.single:
+            rounded = np.asarray(1e3 * row.targets, np.float32).astype(np.float64) / 1e3
+            row = replace(row, targets=rounded)
+        found = list[tuple[Array, Array]]()
+        for each in (before, row):
+            w = each.samples(FINE)
+            path = each.path(w, corner)
+            middles = np.concatenate([[0.0], np.arange(1.5, each.n_pieces, 2.0), [w[-1]]])
+            found.append((path, np.interp(middles, w, _along(path))))
+        (was, knots), (path, ends) = found
+        share = stretch.length / _along(was)[-1]
+        blocks = np.diff(ends) / np.diff(knots)
+        speed = stretch.timing.top_speed
+        most = np.inf if not how.look_ahead else np.sqrt(2.0 * how.acceleration * how.look_ahead)
+        time = np.diff(ends) / np.minimum(speed, most * np.sqrt(np.diff(ends)))
+        blocks *= np.maximum(time, how.block_time) * speed / np.diff(ends)
+        return _Path(stretch, share * knots, ends, blocks, how.dip, _along(path), path)
+
+
+@dataclass(frozen=True, eq=False)
+class _Path:
+    """A row on its way: blocks from the middle of a corner to that of the next."""
+
+    stretch: Stretch
+    planned: Array
+    """(B + 1,) [m], ends of the blocks on the contour."""
+    ends: Array
+    """(B + 1,) [m], on the path."""
+    slower: Array
+    """(B,), time of each block over that of the plan."""
+    dip: float
+    s: Array
+    position: Array
+    """(K,) and (K, 3) [m], the path."""
+
+    @cached_property
+    def knots(self) -> Array:
+        """(B + 1,) [s], of the plan, at the ends of the blocks."""
+        timing = self.stretch.timing
+        time: Array = np.linspace(0.0, timing.duration, int(timing.duration / 1e-4) + 2)
+        return self.stretch.start + np.interp(self.planned, timing.at(time)[0], time)
+
+    def slow(self, slower: Array, time: Array) -> None:
+        """Set the time over that of the plan at times (P,) of the plan [s]."""
+        inside = (time > self.knots[0]) & (time < self.knots[-1])
+        block = np.searchsorted(self.planned, s := self.stretch.arc_length(time[inside])) - 1
+        block = np.clip(block, 0, len(self.slower) - 1)
+        x = (s - self.planned[block]) / np.diff(self.planned)[block]
+        slower[inside] = self.slower[block] / (1.0 - self.dip * np.cos(np.pi * x) ** 2)
+
+    def place(self, position: Array, time: Array) -> None:
+        """Set the positions (K, 3) at those times (K,) of the plan [s] that are on it."""
+        inside = (time >= self.knots[0]) & (time <= self.knots[-1])
+        at = np.interp(self.stretch.arc_length(time[inside]), self.planned, self.ends)
+        columns = [np.interp(at, self.s, column) for column in self.position.T]
+        position[inside] = np.stack(columns, axis=1)
+
+
+@dataclass(frozen=True)
+class _Positions:
+    position: Array
+    quaternion: Array
+
+
+def _along(path: Array) -> Array:
+    steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+@dataclass(frozen=True)
+class ProgramPlant(CuttingPlant):
+    """Plant of a learning loop that runs a program: corrections are displacements of its path."""
+
+    program: PlannedProgram = field(kw_only=True)
+
+    @classmethod
+    def of(cls, program: PlannedProgram) -> "ProgramPlant":
+        """The robot and the instruments of the program's experiment."""
+        plant = program.experiment.plant
+        return cls(plant.loaded, plant.tracker, plant.rng, plant.imu, program=program)
+
+    def run(self, correction: Array, /) -> Pass:
+        """Run the program with its path displaced by (N, 3) [m]."""
+        return self.run_rows(self.program.rows(self.program.offsets(correction)))
+
+    def run_rows(self, rows: Sequence[Row]) -> Pass:
+        """Run rows of targets."""
+        program = self.program
+        asked = program.run(rows)
+        robot = VirtualRobot(self.loaded.model, nominal=program.controller)
+        plant = CuttingPlant(robot.load(asked.reference), self.tracker, self.rng, self.imu)
+        found = plant.run(np.zeros_like(asked.reference))
+        return replace(found, clock=(asked.run_time, asked.plan_time))
