@@ -6,6 +6,7 @@ page of a package lists them, the page of commands what each command's `--help-a
 """
 
 import io
+import os
 import re
 from importlib import import_module
 from importlib.metadata import version as version_of
@@ -33,10 +34,11 @@ exclude_patterns = ["_build"]
 default_role = "code"
 myst_heading_anchors = 4
 nb_execution_mode = "force"  # numbers of today's code, not of a cache
-nb_execution_timeout = 600
+nb_execution_timeout = 1200
 nb_execution_raise_on_error = True
 nb_output_stderr = "remove-warn"
 nb_merge_streams = True
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # in kernels: threads that wait slow them down
 suppress_warnings = ["ref.python"]  # names of arguments are looked up as if they were types
 html_theme = "alabaster"
 html_static_path = ["_static"]
