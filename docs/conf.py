@@ -6,6 +6,7 @@ page of a package lists them, the page of commands what each command's `--help-a
 """
 
 import io
+import os
 import re
 from importlib import import_module
 from importlib.metadata import version as version_of
@@ -28,10 +29,16 @@ from armside.scripts.shell.parser import make_app
 project = "armside"
 author = "the armside authors"
 version = release = version_of("armside")
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 exclude_patterns = ["_build"]
 default_role = "code"
 myst_heading_anchors = 4
+nb_execution_mode = "force"  # numbers of today's code, not of a cache
+nb_execution_timeout = 1200
+nb_execution_raise_on_error = True
+nb_output_stderr = "remove-warn"
+nb_merge_streams = True
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # in kernels: threads that wait slow them down
 suppress_warnings = ["ref.python"]  # names of arguments are looked up as if they were types
 html_theme = "alabaster"
 html_static_path = ["_static"]
@@ -39,6 +46,7 @@ html_theme_options = {
     "description": "Iterative learning control on the arm side",
     "page_width": "1180px",
     "sidebar_width": "260px",
+    "body_max_width": "auto",
 }
 # Names that a package hands on are described where they are defined.
 autodoc_default_options = {"members": True, "show-inheritance": True, "ignore-module-all": True}

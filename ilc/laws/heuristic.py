@@ -41,6 +41,7 @@ class Heuristic(FirstOrderLaw):
         object.__setattr__(self, "delta", whole if isinstance(self.delta, tuple) else whole[0])
 
     def check(self, n_samples: int, n_columns: int) -> None:
+        """Raise ValueError for a shift, or a number of values, that does not fit the records."""
         check_columns("gamma", self.gamma, n_columns)
         check_columns("delta", self.delta, n_columns)
         check_shift(self.delta, n_samples)
