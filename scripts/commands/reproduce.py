@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 TITLE = "The thesis made again: an IMU on a robot, learning on a joint and on a robot"
 REAL = "real"
 """Chapter whose sections need --data."""
+PAPERS = "Measurements of others, made again"
 DRAWING = 1.5
 """Cost of drawing a section in the progress, beside the cost of jobs."""
 
@@ -175,8 +176,9 @@ def _options(name: str, cfg: JointCfg) -> str:
 
 
 def _write_pages(folder: ReportFolder, sections: list[Section], config: dict[str, Any]) -> None:
-    write_whole(folder.path / "report.md", markdown(TITLE, sections))
-    write_whole(folder.path / "report.html", html(TITLE, sections, folder.figures))
+    title = PAPERS if {section.source for section in sections} == {"paper"} else TITLE
+    write_whole(folder.path / "report.md", markdown(title, sections))
+    write_whole(folder.path / "report.html", html(title, sections, folder.figures))
     checks = [{"id": s.id, "title": s.title, "checks": as_rows(s.checks)} for s in sections]
     finished = {"kind": KIND, "status": "done", "config": config, "sections": checks}
     write_whole(folder.path / MARKER, dumps(finished))
