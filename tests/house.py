@@ -54,7 +54,17 @@ PLAN = {
     "words of README and docs; of guides": ("77,491; not measured", "-; 35,000"),
 }
 """What was read, before the rooms were joined, and what was asked."""
-RECORDS = ("errata", "faults", "findings", "house", "mutation", "peers", "suite", "thesis")
+RECORDS = (
+    "errata",
+    "faults",
+    "findings",
+    "house",
+    "mutation",
+    "papers",
+    "peers",
+    "suite",
+    "thesis",
+)
 """Pages of docs/ that list evidence; those in folders of docs/ are no guides either."""
 
 TRACE = """

@@ -17,13 +17,16 @@ from ..shell.console import Report
 from ..shell.errors import InputError, checking_input
 from ..shell.options import SOME, Common, Limits, options, path_checked
 from ..thesis import entries
-from ..thesis.pages import COLUMNS, check_row, count, html, markdown
+from ..thesis.pages import check_row, columns, count, html, markdown
 from ..thesis.report import KIND, MARKER, AbsentError, Asked, Part, ReportFolder, Section, as_rows
 
 if TYPE_CHECKING:
     from armside.ilc.two_mass_study import Study
 
 TITLE = "The thesis made again: an IMU on a robot, learning on a joint and on a robot"
+REAL = "real"
+"""Chapter whose sections need --data."""
+PAPERS = "Measurements of others, made again"
 DRAWING = 1.5
 """Cost of drawing a section in the progress, beside the cost of jobs."""
 
@@ -83,7 +86,8 @@ class JointCfg:
 _IDS = (
     "Chapters (5, 8, 9), figures (8.7) or rows of the map (X05) [default: all chapters]; by name "
     "alone F07, 9-map, 9-effects, and on the joint of chapter 8 nyquist, why-q, algorithms, "
-    "robustness, friction; real, for measurements of real arms, with --data."
+    "robustness, friction; papers, for measurements of others; real, for those of real arms, with "
+    "--data."
 )
 Ids = Annotated[str, Parameter(help=_IDS)]
 
@@ -162,7 +166,7 @@ def _changed(cfg: JointCfg) -> dict[str, Any]:
 
 
 def _options(name: str, cfg: JointCfg) -> str:
-    if name.startswith(f"{entries.REAL}-"):
+    if name.startswith(f"{REAL}-"):
         return " --data FOLDER"
     words = (
         f" --{key} {' '.join(value) if isinstance(value, tuple) else value}"
@@ -172,8 +176,9 @@ def _options(name: str, cfg: JointCfg) -> str:
 
 
 def _write_pages(folder: ReportFolder, sections: list[Section], config: dict[str, Any]) -> None:
-    write_whole(folder.path / "report.md", markdown(TITLE, sections))
-    write_whole(folder.path / "report.html", html(TITLE, sections, folder.figures))
+    title = PAPERS if {section.source for section in sections} == {"paper"} else TITLE
+    write_whole(folder.path / "report.md", markdown(title, sections))
+    write_whole(folder.path / "report.html", html(title, sections, folder.figures))
     checks = [{"id": s.id, "title": s.title, "checks": as_rows(s.checks)} for s in sections]
     finished = {"kind": KIND, "status": "done", "config": config, "sections": checks}
     write_whole(folder.path / MARKER, dumps(finished))
@@ -182,12 +187,20 @@ def _write_pages(folder: ReportFolder, sections: list[Section], config: dict[str
 def _print(report: Report, shown: list[Section]) -> None:
     rows = [[section.id, *check_row(check)] for section in shown for check in section.checks]
     if rows:
-        of = " with the thesis" if all(c.thesis for s in shown for c in s.checks) else ""
-        report.table(f"Comparisons{of}", ["section", *COLUMNS], rows)
+        all_ = all(c.thesis and s.source == "thesis" for s in shown for c in s.checks)
+        of = " with the thesis" if all_ else ""
+        report.table(f"Comparisons{of}", ["section", *columns(shown)], rows)
         failed = (c for s in shown for c in s.checks if c.reason and not c.holds)
         report.lines(f"{check.id} fails: {check.reason}" for check in failed)
         report.line(f"{count(shown)}.")
     for table in [table for section in shown if not section.checks for table in section.tables]:
         report.table(table.title, table.columns, table.rows)
     checks = [{"id": section.id, "checks": as_rows(section.checks)} for section in shown]
-    report.summary({"config": asdict(report.common), "status": "done", "sections": checks})
+    found = {"config": asdict(report.common), "status": "done", "sections": checks}
+    papers = [
+        {"id": c.id, "paper": c.thesis, "band": c.band, "value": c.ours, "holds": c.holds}
+        for section in shown
+        if section.source == "paper"
+        for c in section.checks
+    ]
+    report.summary(found | ({"checks": papers} if papers else {}))

@@ -23,6 +23,7 @@ import pyarrow.compute as pc
 import pyarrow.dataset as ds
 import pyarrow.parquet as pq
 
+from armside.sim.evaluation.motion_error import MotionError
 from armside.sim.records.atomic import atomic, write_whole
 
 from ..cutting.options import LaserCfg
@@ -36,8 +37,11 @@ EVERY = 300.0
 """[s], from one gathering of rows to the next while a sweep runs."""
 _CHUNK = 16
 """Rows that are Python's objects at a time."""
-_PER_RUN = ("arm_rms", "arm_maxdev", "arm_rms_true", "arm_maxdev_true")
-_PER_MOTOR = ("motor_inf", "motor_two")
+_PER_RUN = (
+    *("arm_rms", "arm_maxdev", "arm_rms_true", "arm_maxdev_true"),
+    *(field.name for field in fields(MotionError) if field.name not in MotionError.PER_STOP),
+)
+_LISTS = ("motor_inf", "motor_two", *MotionError.PER_STOP)
 
 
 class Dataset:
@@ -141,7 +145,7 @@ def schema() -> pa.Schema:
         ("limits_hit", pa.int64()),
         ("notes", pa.list_(pa.string())),
         *((name, numbers) for name in _PER_RUN),
-        *((name, pa.list_(numbers)) for name in _PER_MOTOR),
+        *((name, pa.list_(numbers)) for name in _LISTS),
         *((name, pa.string()) for name in ("version", "code")),
     ]
     return pa.schema(columns)
@@ -156,7 +160,7 @@ def measures(results: Mapping[str, Any]) -> Row:
         "limits_hit": len(results["limits_hit"]),
         "notes": [note.line for note in results["notes"]],
         **{name: [float(row[name]) for row in rows] for name in _PER_RUN},
-        **{name: [row[name].tolist() for row in rows] for name in _PER_MOTOR},
+        **{name: [row[name].tolist() for row in rows] for name in _LISTS},
     }
 
 

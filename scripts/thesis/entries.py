@@ -14,8 +14,8 @@ from ..shell.errors import unknown
 from .report import Entry
 
 CHAPTER = re.compile(r"chapter_?(\w+)")
-REAL = "real"
-"""Chapter on measurements of real arms, made by its name alone: it needs their files."""
+BY_NAME = ("papers", "real")
+"""Chapters that are made by their name alone: of other works, or on files that the reader has."""
 
 
 @cache
@@ -46,7 +46,7 @@ def select(ids: Sequence[str]) -> list[Entry]:
         for entry in entries
     ]
     if not ids:
-        return [entry for entry, _, chapter in named if chapter != REAL and not entry.alone]
+        return [entry for entry, _, chapter in named if chapter not in BY_NAME and not entry.alone]
     known = dict.fromkeys(name for _, names, _ in named for name in sorted(names))
     for name in ids:
         if name not in known:

@@ -30,13 +30,23 @@ td.number { text-align: right; font-variant-numeric: tabular-nums; }
 
 def count(sections: Sequence[Section]) -> str:
     """Number of checks that hold, in words: those with the thesis, then those of our own."""
-    checks = [check for section in sections for check in section.checks]
-    thesis, own = ([c for c in checks if bool(c.thesis) is has] for has in (True, False))
-    held = {" with the thesis": thesis, " that it does not have" if thesis else "": own}
+    checks = [(check, section.source) for section in sections for check in section.checks]
+    thesis, papers = (
+        [c for c, source in checks if c.thesis and source == of] for of in ("thesis", "paper")
+    )
+    own = [c for c, _ in checks if not c.thesis]
+    held = {" with the thesis": thesis, " with papers": papers}
+    held[" that it does not have" if thesis else ""] = own
     counted = [
         f"{sum(c.holds for c in of)} of {len(of)} comparisons{w}" for w, of in held.items() if of
     ]
     return f"{' and '.join(counted) or '0 of 0 comparisons'} hold"
+
+
+def columns(sections: Iterable[Section]) -> tuple[str, ...]:
+    """`COLUMNS`, with the source that all sections have in place of the thesis."""
+    sources = {section.source for section in sections}
+    return tuple("paper" if c == "thesis" and sources == {"paper"} else c for c in COLUMNS)
 
 
 def check_row(check: Check) -> list[str]:
@@ -52,7 +62,7 @@ def markdown(title: str, sections: Sequence[Section]) -> str:
         lines += [f"## {section.title}", "", section.caption, ""]
         lines += [f"![{section.title}]({FIGURES}/{name})\n" for name in section.figures]
         if section.checks:
-            lines += _pipes(COLUMNS, [check_row(check) for check in section.checks])
+            lines += _pipes(columns([section]), [check_row(check) for check in section.checks])
             failed = [check for check in section.checks if check.reason and not check.holds]
             lines += [f"- {check.id} fails: {check.reason}" for check in failed]
             lines.append("")
@@ -62,8 +72,8 @@ def markdown(title: str, sections: Sequence[Section]) -> str:
     return "\n".join(lines)
 
 
-def _pipes(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> list[str]:
-    grid = [columns, ["---"] * len(columns), *([cell(value) for value in row] for row in rows)]
+def _pipes(head: Sequence[str], rows: Sequence[Sequence[Any]]) -> list[str]:
+    grid = [head, ["---"] * len(head), *([cell(value) for value in row] for row in rows)]
     return ["| " + " | ".join(w.replace("|", "\\|") for w in words) + " |" for words in grid] + [""]
 
 
@@ -91,7 +101,7 @@ def _section_html(i: int, section: Section, figures: Path) -> str:
         alt = escape(section.title, quote=True)
         parts.append(f'<p><img alt="{alt}" src="data:image/png;base64,{data}"></p>')
     if section.checks:
-        parts.append(_rows_html(COLUMNS, map(_check_html, section.checks)))
+        parts.append(_rows_html(columns([section]), map(_check_html, section.checks)))
     parts += [_table_html(table) for table in section.tables]
     parts.append(f'<p class="made">{escape(_made(section))}</p>\n')
     return "\n".join(parts)
@@ -115,8 +125,8 @@ def _cell_html(value: Any, *, number: bool) -> str:
     return f"<td{kind}>{escape(cell(value))}</td>"
 
 
-def _rows_html(columns: Sequence[str], rows: Iterable[str]) -> str:
-    head = "".join(f"<th>{escape(name)}</th>" for name in columns)
+def _rows_html(head: Sequence[str], rows: Iterable[str]) -> str:
+    head = "".join(f"<th>{escape(name)}</th>" for name in head)
     body = "".join(f"<tr>{row}</tr>" for row in rows)
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
     return f'<div class="scroll">{table}</div>'

@@ -40,6 +40,8 @@ class Section:
     tables: Sequence[Table] = ()
     made_with: Mapping[str, str] = field(default_factory=dict)
     """Versions, seed and command."""
+    source: str = "thesis"
+    """Kind of work whose numbers the checks are beside."""
 
 
 @dataclass(frozen=True)

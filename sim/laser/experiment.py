@@ -12,6 +12,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.workbench.compare import RunState
 
+from ..evaluation.motion_error import MotionError
 from ..evaluation.tool_error import ToolError, tool_error
 from ..instruments.imu import Imu, ImuSamples
 from ..instruments.imu import draw as draw_imu
@@ -151,6 +152,8 @@ class Iteration:
     contours: tuple[ToolError, ...] = field(repr=False)
     contours_true: tuple[ToolError, ...] = field(repr=False)
     """Of each contour."""
+    motion_error: MotionError = field(repr=False)
+    """Of the whole record, from the ground truth."""
     diverged: bool
     converged: tuple[bool, ...] = ()
     """Contours that keep the correction of an earlier iteration."""

@@ -43,7 +43,8 @@ class LearningJob:
     def run(self) -> dict[str, Array]:
         """Run it. Arrays have the iterations 0 .. K first.
 
-        motor_inf, motor_two: (K, n) [motor rad]. arm_rms, arm_maxdev, arm_rms_true,
+        motor_inf, motor_two: (K, n) [motor rad]; fields of `MotionError`: (K,), of stops (K, S).
+        arm_rms, arm_maxdev, arm_rms_true,
         arm_maxdev_true, ripple: (K,) [m]. reached_speed [m/s], gear (n,), diverged, motion_end
         [sample]. NaN where a diverged experiment had ended.
         With `series`: error, correction (K, N, n) [rad], path (K, M, 2) [m].

@@ -15,6 +15,7 @@ from armside.ilc.plant import Plant
 from armside.ilc.records import as_record, as_samples
 from armside.ilc.workbench.compare import RunState, states_of
 
+from ..evaluation.motion_error import MotionError, motion_error
 from ..notes import Cause, Note
 from ..records.files import InputError
 from .experiment import CuttingPlant, Experiment, Iteration, Pass, prepare
@@ -122,6 +123,7 @@ def iterate(
             tool_true=cut.whole(motion, true),
             contours=tracked,
             contours_true=true,
+            motion_error=_motion_error(experiment, run),
             diverged=grown or not bool(np.isfinite(error).all()),
             converged=held,
             notes=_notes(output, law, error, memory),
@@ -206,6 +208,12 @@ def _mean(outputs: list[Array], reference: Array) -> Array:
         needed = f"the shape {reference.shape} of the reference"
         raise ValueError(f"the output must have {needed}, got {found.shape}")
     return found
+
+
+def _motion_error(experiment: Experiment, run: Pass) -> MotionError:
+    truth, mj = run.recording.truth, experiment.loaded.model.mj
+    free = experiment.cut.cell.free_rotation
+    return motion_error(experiment.motion, truth, mj, free_rotation=free)
 
 
 def _held(memory: Any, contours: Sequence[Timed]) -> tuple[bool, ...]:

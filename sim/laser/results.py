@@ -158,13 +158,15 @@ def status(iterations: Sequence[Iteration], *, of_tool: bool) -> Status:
 
 
 def iteration_row(iteration: Iteration) -> Row:
-    """Measures of one iteration: motor errors (n,) [rad] of the shaft, tool errors [m]."""
+    """Measures of one iteration: motor errors (n,) [rad] of the shaft, tool errors [m], and those
+    of `MotionError`."""
     return {
         "k": iteration.k,
         "motor_inf": measures.inf_norm(iteration.motor_error),
         "motor_two": measures.two_norm(iteration.motor_error),
         **_measures(iteration.tool, ""),
         **_measures(iteration.tool_true, "_true"),
+        **vars(iteration.motion_error),
     }
 
 

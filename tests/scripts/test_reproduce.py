@@ -310,8 +310,8 @@ def test_every_row_of_its_chapters_and_every_command_of_the_page_of_the_thesis_i
 def test_each_file_of_a_chapter_is_a_chapter():
     folder = Path(entries.__file__).parent
     names = {file.stem for file in folder.iterdir() if file.stem.startswith("chapter")}
-    assert names == {"chapter5", "chapter8", "chapter9", "chapter_real"}
-    assert list(entries.chapters()) == ["5", "8", "9", "real"]
+    assert names == {"chapter5", "chapter8", "chapter9", "chapter_papers", "chapter_real"}
+    assert list(entries.chapters()) == ["5", "8", "9", "papers", "real"]
 
 
 def test_each_entry_names_its_experiments():

@@ -15,7 +15,7 @@ from armside.sim.robot_file.find import read_cell
 from armside.sim.robot_file.hardware import Hardware, LinkBody, StructureHinge
 
 FOLDER = assets.LARGE_ROBOT_XML.parent
-SHIPPED = ("ur5e_like", "panda_like", "scara", "kr16_like")
+SHIPPED = ("ur5e_like", "panda_like", "scara", "kr16_like", "m16ib_like")
 ROUNDED = 1e-3
 """Relative: estimates have four digits."""
 

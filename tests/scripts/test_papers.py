@@ -1,0 +1,90 @@
+"""`armside reproduce papers`: verdicts from results, and checks of their own form."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+from armside.ilc.bench_study import ESTIMATES, BenchEstimation, BenchLearning
+from armside.scripts.commands import reproduce as command
+from armside.scripts.thesis import chapter_papers as papers
+from armside.scripts.thesis.entries import select
+from armside.scripts.thesis.pages import columns, count, markdown
+from armside.scripts.thesis.paper_bands import BANDS, DEVELOPMENT, JUDGEMENT, ON_ARMS
+from armside.scripts.thesis.report import Asked
+from armside.sim.laser.strokes import StrokesJob, fields_of_numbers
+
+
+def results(job, *, motor=0.05, motors_ring=1.4, better=0.4):
+    """Those of a bench and an arm that do as the papers say."""
+    if isinstance(job, BenchLearning):
+        fall = np.linspace(1.0, 0.0, 10)[:, None] * [0.354, 0.91]
+        last = {"reference": 0.03, "torque M": motor, "torque L": 0.02}
+        return {law: np.maximum(fall, size) for law, size in last.items()}
+    if isinstance(job, BenchEstimation):
+        sizes = dict(zip(ESTIMATES, (0.3, 0.1, 0.1, 0.1, 0.2, 0.17, 0.15), strict=True))
+        return {name: np.array(size) for name, size in sizes.items()}
+    assert isinstance(job, StrokesJob)
+    ends = dict.fromkeys(fields_of_numbers(), motors_ring if job.measure == "motor" else better)
+    ends["rest_acceleration_rms"] *= 2.0
+    found = {name: np.linspace(2.0, 2.0 * end, 10) for name, end in ends.items()}
+    return found | {"reached_speed": np.array(1.0)}
+
+
+def drawn(draw, folder, **changed):
+    section = draw(partial(results, **changed), folder)
+    assert (folder / section.figures[0]).read_bytes().startswith(b"\x89PNG")
+    return {check.id: check for check in section.checks}, section
+
+
+def test_the_bench_of_the_papers_holds_and_another_order_does_not(tmp_path):
+    checks, section = drawn(papers.bench, tmp_path)
+    assert all(check.holds for check in checks.values())
+    checks, _ = drawn(papers.bench, tmp_path, motor=0.025)
+    assert [id for id, check in checks.items() if not check.holds] == ["bench-wrong"]
+    assert checks["bench-wrong"].ours == 6.0
+    assert "for none" in checks["bench-wrong"].reason
+    assert count([section]) == "5 of 5 comparisons with papers hold"
+    assert columns([section])[2] == "paper"
+    assert "| paper | ours |" in markdown("", [section])
+
+
+def test_the_ratio_of_the_dkf_is_that_of_the_worse_direction(tmp_path):
+    checks, _ = drawn(papers.estimators, tmp_path)
+    assert checks["T3-dkf"].ours == pytest.approx(1.7)
+    assert checks["T3-kkf"].ours == pytest.approx(0.5)
+
+
+def test_the_square_is_judged_by_its_last_run_over_its_first(tmp_path):
+    draw = partial(papers.square, "large", "-large")
+    checks, _ = drawn(draw, tmp_path)
+    values = {"acceleration-motor": 1.4, "acceleration-load": 0.4, "tcp": 0.4, "rest": 2.8}
+    for name, value in values.items():
+        assert checks[f"T1-{name}-large"].ours == pytest.approx(value)
+    assert all(check.holds for check in checks.values())
+    checks, _ = drawn(draw, tmp_path, better=1.5)
+    assert checks["T1-tcp-order-large"].ours == len(ON_ARMS)
+
+
+def test_papers_are_made_by_their_name_alone():
+    assert not {entry.id for entry in select([])} & {entry.id for entry in select(["papers"])}
+    jobs = [job for entry in select(["papers"]) for job in entry.make(Asked()).jobs]
+    seeds = {getattr(job, "seed", getattr(job, "individual", None)) for job in jobs}
+    assert seeds == set(JUDGEMENT)
+    assert not seeds & set(DEVELOPMENT)
+
+
+def test_checks_are_printed_with_the_number_of_the_paper(tmp_path, monkeypatch):
+    _, section = drawn(papers.bench, tmp_path)
+    found = {}
+
+    class Quiet:
+        common = command.ReportOptions()
+        table = line = lines = staticmethod(lambda *_: None)
+        summary = staticmethod(found.update)
+
+    command._print(Quiet(), [section])
+    first = found["checks"][0]
+    band = BANDS["bench-first"].band
+    expected = {"id": "bench-first", "paper": "0.354", "band": band, "value": 0.354, "holds": True}
+    assert first | {"value": round(first["value"], 9)} == expected
