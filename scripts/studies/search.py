@@ -57,10 +57,11 @@ def random_designs(rules: Rules, seed: int, stream: int = _STREAM) -> Iterator[D
 
 
 def random_best(objective: Objective, runs: int, seed: int) -> Design:
-    """The best of random designs that cost so many runs of the robots; one at least."""
+    """The best of random designs that cost so many runs of the robots; one at least. Those whose
+    criterion is 1 or more are refused, as by `evaluate`."""
     tried: list[tuple[float, Design]] = []
-    end = objective.runs + runs
-    for design in random_designs(objective.rules, seed):
+    end, rules = objective.runs + runs, objective.rules
+    for design in (d for d in random_designs(rules, seed) if rules.criterion(d) < 1.0):
         tried.append((objective.ratio(design).measured, design))
         if objective.runs >= end:
             break
@@ -75,7 +76,7 @@ def nominal_best(
     tried: list[tuple[float, Design]] = []
     for design in islice(random_designs(nominal.rules, seed, _NOMINAL), count):
         if nominal.rules.criterion(design) < 1.0:
-            tried.append((nominal.ratio(design).measured, design))
+            tried.append((nominal.foreseen(design).measured, design))
         step()
     return [design for _, design in sorted(tried, key=lambda one: one[0])[:FIRST]]
 

@@ -18,7 +18,7 @@ from ..motion.tool_motion import motion_notes
 from ..notes import Note, counted
 from ..robot.run import cores
 from .episode_task import Task
-from .rules import Rules
+from .rules import HORIZON, Rules
 from .situation import Situation, restarted
 
 Item = TypeVar("Item")
@@ -125,6 +125,10 @@ class Objective:
         *_, last = self.ratios(design)
         return last
 
+    def foreseen(self, design: Design) -> Ratio:
+        """The last of `ratios` with two runs of each episode in place of one for each update."""
+        return self._ratio(self._each(lambda s: foreseen(self.rules, s, design), self._first))
+
     def _held(self, situation: Situation, design: Design) -> Situation:
         return self.rules.held(situation, self.rules.predicted(situation, design)[0])
 
@@ -155,6 +159,13 @@ class Objective:
         notes = tuple(counted((s.notes for s in situations), _EPISODES))
         logs = (float(np.log(s.measured.rms / first.measured.rms)) for s, first in pairs)
         return Ratio(measured, true, notes, tuple(logs))
+
+
+def foreseen(rules: Rules, first: Situation, design: Design) -> Situation:
+    """The worse of the runs at the end of the budget and at HORIZON, with the corrections that the
+    model of the motors predicts from the first run."""
+    ends = (rules.predicted(first, design, until)[0] for until in (rules.iterations, HORIZON))
+    return max((rules.held(first, correction) for correction in ends), key=_badness)
 
 
 def _badness(situation: Situation) -> float:

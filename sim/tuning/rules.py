@@ -121,7 +121,8 @@ class Rules(EnvCfg):
         object.__setattr__(self, "version", whole("version", self.version, 0, len(RANGES) - 1))
         shapes = shapes_of(self.shape, self.radius)
         if self.radius is None and shapes.names == ("circle",):
-            shapes = Shapes(shapes.names, RANGES[self.version].radius)
+            ranges = RANGES[self.version]
+            shapes = Shapes(shapes.names, ranges.radius, ranges.logarithmic)
         own = basis if self.action == "correction" else None
         layout = Layout(self.cell.robot.n_joints, shapes, own, payload=self.version > 0)
         object.__setattr__(self, "layout", layout)
@@ -262,11 +263,13 @@ class Rules(EnvCfg):
         found = {"motor_error_predicted": norm, "rms_held": float(held.measured.rms)}
         return min(score, later, key=lambda one: one.reward), found
 
-    def predicted(self, situation: Situation, design: Design) -> tuple[Array, Array]:
-        """Correction and error (N, n) [rad], arm side, of run HORIZON, by the model."""
+    def predicted(
+        self, situation: Situation, design: Design, until: int = HORIZON
+    ) -> tuple[Array, Array]:
+        """Correction and error (N, n) [rad], arm side, of run `until`, by the model."""
         centre = situation.centre
         now = situation.correction - centre, situation.error
-        correction, error = outlook.held(self.T_u, design, *now, HORIZON - situation.k)
+        correction, error = outlook.held(self.T_u, design, *now, until - situation.k)
         return centre + correction, error
 
     def held(self, situation: Situation, correction: Array) -> Situation:
