@@ -19,6 +19,7 @@ from armside.ilc.measures.norms import two_norm
 from armside.ilc.models.system import System
 
 from ..cell import CELLS, Cell
+from ..instruments.imu import ImuCfg
 from ..laser.design import Design
 from ..laser.experiment import Experiment
 from ..laser.specification import Cut
@@ -197,9 +198,9 @@ class Rules(EnvCfg):
         """Build the experiment of a task and run it without learning."""
         return self.first(*self.prepared(drawn))
 
-    def prepared(self, drawn: Task) -> tuple[Task, Experiment]:
+    def prepared(self, drawn: Task, imu: ImuCfg | None = None) -> tuple[Task, Experiment]:
         """A task within reach and its experiment. Raises as `task.experiment`."""
-        imu = RewardSensor(self.reward).imu
+        imu = imu or RewardSensor(self.reward).imu
         return task.within_reach(self.robot_or_cell, self.nominal, drawn, imu)
 
     def first(self, drawn: Task, experiment: Experiment) -> Situation:
