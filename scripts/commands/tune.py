@@ -5,13 +5,17 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.design import THESIS, Design
+from armside.sim.laser.tool_measure import Source
 from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
 from armside.sim.robot.individual import Individual
 from armside.sim.tuning.action import Motors
 from armside.sim.tuning.objective import Objective, prepare
+from armside.sim.tuning.rules import HORIZON
 from armside.sim.tuning.situation import RewardSensor
+from armside.sim.tuning.tool_objective import DEFAULT, ToolObjective, tool_path
 
 from ..shell.console import Report, run_folder
 from ..shell.effort import Effort, refuse_absurd
@@ -54,7 +58,10 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
         seeds = seed_range(common.seed, cfg.episodes + (0 if cfg.alone else OTHERS))
         _refuse_absurd(cfg)
         rules = cfg.rules
-        jobs = prepare(rules, seeds, cfg.fixed)
+        objective_of, imu = _objective(cfg)
+        jobs = prepare(rules, seeds, cfg.fixed, imu)
+        if cfg.measure != "motor":
+            tool_path(Source(cfg.measure)).assumed(jobs[0].experiment)
         episodes, others = jobs[: cfg.episodes], jobs[cfg.episodes :]
         study = studies.open_study(
             cfg.storage,
@@ -67,9 +74,10 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
     with (
         noticing(lambda: _kept(study, cfg)) as stop,
         using(cfg.storage),
-        Objective(rules, episodes, stop.check) as objective,
+        objective_of(rules, episodes, stop.check) as objective,
     ):
-        first = [*_from_nominal(cfg, common.seed, report, stop.check), THESIS]
+        known = THESIS if cfg.measure == "motor" else DEFAULT
+        first = [*_from_nominal(cfg, common.seed, report, stop.check), known]
         motors, n_axes = Motors(cfg.motors), rules.n_axes
         with report.progress("tuning", total=cfg.trials) as step:
             search(
@@ -84,9 +92,10 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
         outcomes, found = studies.outcomes(study), results(study)
         found["notes"] = [*objective.notes, *studies.notes_of_best(study)]
         if others and found["best"]:
-            runs = studies.runs(study, cfg.episodes, cfg.iterations)
+            held = 1 if cfg.measure == "motor" else HORIZON - cfg.iterations
+            runs = studies.runs(study, cfg.episodes, cfg.iterations, held)
             report.line(f"random search with as many runs, {runs}, and {OTHERS} other jobs ...")
-            with Objective(rules, others, stop.check) as judge:
+            with objective_of(rules, others, stop.check) as judge:
                 found["gain"] = against_random(objective, judge, found["best"], runs, common.seed)
     outcome = summary("tune", replace(cfg, storage=redacted(cfg.storage)), common, **found)
     if not outcome["bests"]:
@@ -104,6 +113,13 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
     report.summary(outcome)
 
 
+def _objective(cfg: TuneCfg) -> tuple[Callable[..., Objective], ImuCfg | None]:
+    """What is searched on, and the unit at the tool that it needs."""
+    if cfg.measure == "motor":
+        return Objective, None
+    return partial(ToolObjective, source=Source(cfg.measure)), ImuCfg()
+
+
 def _from_nominal(cfg: TuneCfg, seed: int, report: Report, check: Check) -> list[Design]:
     """Designs that are best on the nominal robot, at the jobs of the search."""
     if not cfg.nominal:
@@ -118,7 +134,8 @@ def _from_nominal(cfg: TuneCfg, seed: int, report: Report, check: Check) -> list
 
 
 def _refuse_absurd(cfg: TuneCfg) -> None:
-    runs = cfg.episodes * (cfg.iterations + 2) * (2 - cfg.alone)
+    held = 2 if cfg.measure == "motor" else HORIZON - cfg.iterations
+    runs = cfg.episodes * (cfg.iterations + held) * (2 - cfg.alone)
     refuse_absurd(f"{cfg.nominal} nominal designs", Effort(OF_A_RUN.seconds * runs * cfg.nominal))
     refuse_absurd(f"a trial of {cfg.episodes} episodes", OF_A_RUN * runs)
     refuse_absurd(f"{cfg.trials} trials", Effort(OF_A_RUN.seconds * runs * cfg.trials), kept=True)

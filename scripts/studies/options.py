@@ -43,6 +43,9 @@ class TuneCfg:
     """One design for all motors, or one for each."""
     reward: Literal["tracker", "motor", "estimate"] = "tracker"
     """Sensor that measures how round the cut is."""
+    measure: Literal["motor", "estimate", "tracker"] = "motor"
+    """Output that is learned from: the motors' angles, the estimate of the tool's path or the
+    tracker's. The laws of the tool have gain and cutoff, and no shift."""
     pose: str | None = None
     """Where, by name [default: drawn for each episode]."""
     speed: float | None = None
@@ -85,6 +88,10 @@ class TuneCfg:
             raise ValueError(f"payload must be >= 0 kg, got {self.payload:g}")
         if self.study is not None and not self.study.strip():
             raise ValueError(f"study must have a name, got {self.study!r}")
+        if self.measure != "motor" and (self.motors, self.nominal) != ("shared", 0):
+            raise ValueError(
+                f"--motors each and --nominal need --measure motor, not {self.measure}"
+            )
         _ = self.rules  # raises ValueError where the options are out of range
 
     @property
@@ -112,7 +119,7 @@ class TuneCfg:
         # Studies of before had another objective: designs were not held past the last update.
         task |= {"seed": seed, "held": HORIZON}
         # What is as it was before there was a choice has no part in the identity of older studies.
-        for name, value in (("shape", ["circle"]), ("radius", [])):
+        for name, value in (("shape", ["circle"]), ("radius", []), ("measure", "motor")):
             if task[name] == value:
                 del task[name]
         if self.robot not in CELLS:

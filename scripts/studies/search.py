@@ -11,6 +11,7 @@ from armside.sim.records.summary import plain
 from armside.sim.tuning.action import Motors, design_of
 from armside.sim.tuning.objective import WORST, Objective, Ratio, gain
 from armside.sim.tuning.rules import Rules
+from armside.sim.tuning.tool_objective import ToolObjective
 
 from . import study as studies
 
@@ -30,8 +31,9 @@ def evaluate(objective: Objective, trial: "optuna.Trial") -> float:
 
     rules = objective.rules
     ratio, hopeless = Ratio(1.0, 1.0), False
-    design = studies.suggest(trial, Motors(rules.motors), rules.n_axes)
-    trial.set_user_attr(studies.CRITERION, criterion := rules.criterion(design))
+    shifts = not isinstance(objective, ToolObjective)
+    design = studies.suggest(trial, Motors(rules.motors), rules.n_axes, shifts)
+    trial.set_user_attr(studies.CRITERION, criterion := objective.criterion(design))
     if criterion >= 1.0:
         return WORST
     for k, ratio in enumerate(objective.ratios(design), 1):
@@ -57,10 +59,11 @@ def random_designs(rules: Rules, seed: int, stream: int = _STREAM) -> Iterator[D
 
 
 def random_best(objective: Objective, runs: int, seed: int) -> Design:
-    """The best of random designs that cost so many runs of the robots; one at least."""
+    """The best of random designs that cost so many runs of the robots; one at least. Those whose
+    criterion is 1 or more are refused, as by `evaluate`."""
     tried: list[tuple[float, Design]] = []
-    end = objective.runs + runs
-    for design in random_designs(objective.rules, seed):
+    end, drawn = objective.runs + runs, random_designs(objective.rules, seed)
+    for design in (d for d in drawn if objective.criterion(d) < 1.0):
         tried.append((objective.ratio(design).measured, design))
         if objective.runs >= end:
             break
@@ -75,7 +78,7 @@ def nominal_best(
     tried: list[tuple[float, Design]] = []
     for design in islice(random_designs(nominal.rules, seed, _NOMINAL), count):
         if nominal.rules.criterion(design) < 1.0:
-            tried.append((nominal.ratio(design).measured, design))
+            tried.append((nominal.foreseen(design).measured, design))
         step()
     return [design for _, design in sorted(tried, key=lambda one: one[0])[:FIRST]]
 

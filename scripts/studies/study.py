@@ -105,12 +105,14 @@ def _config(study: "optuna.Study", config: Mapping[str, Any]) -> dict[str, Any]:
     return known
 
 
-def suggest(trial: "optuna.Trial", motors: Motors, n_axes: int = SIX) -> Design:
-    """Ask the study for a design."""
+def suggest(
+    trial: "optuna.Trial", motors: Motors, n_axes: int = SIX, shifts: bool = True
+) -> Design:
+    """Ask the study for a design; one without a shift where the law has none."""
     values: dict[str, tuple[Any, ...]] = {}
     for v in VARIABLES:
         if v.scale is Scale.WHOLE:
-            ask = partial(trial.suggest_int, low=int(v.low), high=int(v.high))
+            ask = partial(trial.suggest_int, low=int(v.low), high=int(v.high) * shifts)
         else:
             log = v.scale is Scale.LOGARITHMIC
             ask = partial(trial.suggest_float, low=v.low, high=v.high, log=log)
@@ -183,10 +185,11 @@ def outcomes(study: "optuna.Study") -> list[Outcome]:
     ]
 
 
-def runs(study: "optuna.Study", episodes: int, iterations: int) -> int:
-    """Runs of robots that the finished trials took, those before learning left out."""
+def runs(study: "optuna.Study", episodes: int, iterations: int, held: int = 1) -> int:
+    """Runs of robots that the finished trials took, those before learning left out; held: runs
+    after the last update."""
     updates = (len(t.intermediate_values) for t in finished(study))
-    return episodes * sum(n + (n == iterations) for n in updates)
+    return episodes * sum(n + held * (n == iterations) for n in updates)
 
 
 def bests(study: "optuna.Study") -> list["optuna.trial.FrozenTrial"]:

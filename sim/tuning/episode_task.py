@@ -2,14 +2,16 @@
 
 | what | drawn from |
 |---|---|
-| pose | one of the cell's named poses, moved by up to 50 mm along each base axis, uniformly |
-| speed | uniform in [20, 60] mm/s; v1: [20, 100] |
+| pose | a named pose of the cell, moved along each base axis by up to 50 mm; v1: 250; uniformly |
+| speed | uniform in [20, 60] mm/s; v1: in [20, 100], its logarithm uniform |
 | payload | of the large robot, uniform in [20, 80] kg; v1: [0, 120]. Others keep their own tool |
 | individual | friction, stiffness, ripple and geometry of one robot: `sim.robot.spread.Spread()` |
-| shape, radius | a circle of 5 mm; v1: uniform in [2, 12] mm; or as the env was made: `Shapes` |
+| shape, radius | a circle of 5 mm; v1: of 2 to 12 mm, its logarithm uniform; or as made: `Shapes` |
 
-A robot of a file may not reach 50 mm beside its poses. Its draws stay in the directions in which
-its tool can move, and are halved until the contour can be cut.
+What moves the best design is turns per second, speed over 2 pi radius, from 0.3 to 8 Hz in v1:
+below 1 Hz it lets pass 4 Hz, from 2 Hz on 2.5 Hz or less. Payload and individual hardly matter.
+A robot of a file, or any in v1, may not reach beside its poses. A file's draws stay in the
+directions in which its tool can move; offsets are halved until the contour can be cut.
 A given individual may be of the production line, `sim.robot.spread.Drawn(N)`, or any `Individual`.
 The ranges are an ESTIMATE of what a cell meets in a year. The controller knows the payload,
 and nothing of the individual.
@@ -46,6 +48,8 @@ class Shapes:
     names: tuple[str, ...] = ("circle",)
     radius: tuple[float, float] | None = None
     """Smallest and largest [m]; that of each shape's default if None."""
+    logarithmic: bool = False
+    """Of the radius its logarithm is drawn uniformly."""
 
     @property
     def are_drawn(self) -> bool:
@@ -59,7 +63,13 @@ class Shapes:
         if self.radius is None:
             return name, None
         low, high = self.radius
-        return name, low if low == high else float(rng.uniform(low, high))
+        return name, low if low == high else _uniform(rng, low, high, self.logarithmic)
+
+
+def _uniform(rng: np.random.Generator, low: float, high: float, logarithmic: bool) -> float:
+    if not logarithmic:
+        return float(rng.uniform(low, high))
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
 def shapes_of(shape: Any, radius: Any) -> Shapes:
@@ -142,16 +152,19 @@ PAYLOADS: Mapping[str, tuple[float, float]] = {"large": (20.0, 80.0)}
 
 
 class Ranges(NamedTuple):
-    """Speeds [m/s], payloads [kg] and radii [m] of circles that one version of the env draws."""
+    """Speeds [m/s], payloads [kg], radii [m] of circles and offsets [m] of poses that one version
+    of the env draws; of speeds and radii the logarithm where that is said."""
 
     speeds: tuple[float, float]
     payloads: Mapping[str, tuple[float, float]]
     radius: tuple[float, float] | None
+    place: float = POSE_SPREAD
+    logarithmic: bool = False
 
 
 RANGES = (
     Ranges(SPEEDS, PAYLOADS, None),
-    Ranges((0.020, 0.100), {"large": (0.0, 120.0)}, (0.002, 0.012)),
+    Ranges((0.020, 0.100), {"large": (0.0, 120.0)}, (0.002, 0.012), 0.250, True),
 )
 """By version. ESTIMATE: of version 1, as wide as to make the best design differ between tasks."""
 TEST_SEEDS = range(900_000_000, 900_000_100)
@@ -177,7 +190,7 @@ class Task:
     radius: float = RADII["circle"]
     """[m], as `armside.sim.motion.contour.contour_of` has it."""
     near: ToolPose | None = None
-    """Named pose that a robot of a file was moved from; it may be moved less. None: it may not."""
+    """Named pose that the tool was moved from; it may be moved less. None: it may not."""
 
 
 def draw(
@@ -207,12 +220,12 @@ def draw(
     named = not isinstance(robot, Cell)
     cell, masses = (CELLS[robot], ranges.payloads.get(robot)) if named else (robot, None)
     base = list(cell.poses.values())[rng.integers(len(cell.poses))]
-    offset = rng.uniform(-POSE_SPREAD, POSE_SPREAD, 3)
+    offset = rng.uniform(-ranges.place, ranges.place, 3)
     x, y, z = (np.array(base.position) + offset).tolist()
     payload = float(rng.uniform(*(masses or (0.0, 1.0))))
     drawn = {
         "pose": replace(base, position=(x, y, z)),
-        "speed": float(rng.uniform(*ranges.speeds)),
+        "speed": _uniform(rng, *ranges.speeds, ranges.logarithmic),
         "payload": payload if masses else None,
         "individual": int(rng.integers(2**31)),
     }
@@ -224,7 +237,8 @@ def draw(
     taken = {name: _option(cell, name, options.get(name, drawn[name])) for name in OPTIONS}
     robot_or_seed = taken["individual"]
     seed = robot_or_seed if isinstance(robot_or_seed, int) else drawn["individual"]
-    near = base if not named and "pose" not in options else None
+    far = not named or ranges.place > POSE_SPREAD
+    near = base if far and "pose" not in options else None
     return Task(**taken, seed=seed, near=near)
 
 
@@ -275,9 +289,10 @@ def within_reach(
 
     Raises as `experiment`, for the named pose itself where no place near it will do.
     """
-    if task.near is None or not isinstance(robot, Cell):
+    if task.near is None:
         return task, experiment(robot, nominal, task, imu)
-    *others, last = (replace(task, pose=p) for p in candidates(robot, task.near, task.pose))
+    cell = robot if isinstance(robot, Cell) else CELLS[robot]
+    *others, last = (replace(task, pose=p) for p in candidates(cell, task.near, task.pose))
     for moved in others:
         try:
             return moved, experiment(robot, nominal, moved, imu)

@@ -12,13 +12,14 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..instruments.imu import ImuCfg
 from ..laser.design import Design
 from ..laser.experiment import Experiment
 from ..motion.tool_motion import motion_notes
 from ..notes import Note, counted
 from ..robot.run import cores
 from .episode_task import Task
-from .rules import Rules
+from .rules import HORIZON, Rules
 from .situation import Situation, restarted
 
 Item = TypeVar("Item")
@@ -52,9 +53,12 @@ class Episode(NamedTuple):
     experiment: Experiment
 
 
-def prepare(rules: Rules, seeds: Iterable[int], fixed: dict[str, Any]) -> list[Episode]:
+def prepare(
+    rules: Rules, seeds: Iterable[int], fixed: dict[str, Any], imu: ImuCfg | None = None
+) -> list[Episode]:
     """The episodes of those seeds.
 
+    imu: unit at the tool, beside that of the reward's sensor.
     fixed: what is not drawn, as the options of `armside.sim.tuning.episode_task.draw`.
 
     Raises ValueError where a job cannot be done or a seed is sealed.
@@ -63,7 +67,7 @@ def prepare(rules: Rules, seeds: Iterable[int], fixed: dict[str, Any]) -> list[E
     for seed in seeds:
         rules.check_seed(seed)
         drawn = rules.draw(np.random.default_rng(seed), fixed)
-        episodes.append(Episode(*rules.prepared(drawn)))
+        episodes.append(Episode(*rules.prepared(drawn, imu)))
     return episodes
 
 
@@ -115,15 +119,23 @@ class Objective:
             situations = self._run(lambda s: self.rules.advance(s, design), situations)
             if k == self.rules.iterations and not any(s.diverged for s in situations):
                 held = self._run(lambda s: self._held(s, design), situations)
-                situations = [max(two, key=_badness) for two in zip(situations, held, strict=True)]
+                situations = [max(two, key=badness) for two in zip(situations, held, strict=True)]
             yield self._ratio(situations)
             if any(s.diverged for s in situations):
                 return
+
+    def criterion(self, design: Design) -> float:
+        """Factor by which the error falls, or grows, by the controller's model."""
+        return self.rules.criterion(design)
 
     def ratio(self, design: Design) -> Ratio:
         """The last of `ratios`."""
         *_, last = self.ratios(design)
         return last
+
+    def foreseen(self, design: Design) -> Ratio:
+        """The last of `ratios` with two runs of each episode in place of one for each update."""
+        return self._ratio(self._each(lambda s: foreseen(self.rules, s, design), self._first))
 
     def _held(self, situation: Situation, design: Design) -> Situation:
         return self.rules.held(situation, self.rules.predicted(situation, design)[0])
@@ -146,7 +158,7 @@ class Objective:
                 break
         return [future.result() for future in futures]
 
-    def _ratio(self, situations: list[Situation]) -> Ratio:
+    def _ratio(self, situations: Sequence[Any]) -> Ratio:
         if any(s.diverged for s in situations):
             return Ratio(WORST, WORST)
         pairs = list(zip(situations, self._first, strict=True))
@@ -157,7 +169,15 @@ class Objective:
         return Ratio(measured, true, notes, tuple(logs))
 
 
-def _badness(situation: Situation) -> float:
+def foreseen(rules: Rules, first: Situation, design: Design) -> Situation:
+    """The worse of the runs at the end of the budget and at HORIZON, with the corrections that the
+    model of the motors predicts from the first run."""
+    ends = (rules.predicted(first, design, until)[0] for until in (rules.iterations, HORIZON))
+    return max((rules.held(first, correction) for correction in ends), key=badness)
+
+
+def badness(situation: Any) -> float:
+    """The tool's RMS of a run as measured; infinite where it diverged."""
     rms = situation.measured.rms
     return rms if np.isfinite(rms) and not situation.diverged else np.inf
 

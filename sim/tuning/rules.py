@@ -19,6 +19,7 @@ from armside.ilc.measures.norms import two_norm
 from armside.ilc.models.system import System
 
 from ..cell import CELLS, Cell
+from ..instruments.imu import ImuCfg
 from ..laser.design import Design
 from ..laser.experiment import Experiment
 from ..laser.specification import Cut
@@ -121,7 +122,8 @@ class Rules(EnvCfg):
         object.__setattr__(self, "version", whole("version", self.version, 0, len(RANGES) - 1))
         shapes = shapes_of(self.shape, self.radius)
         if self.radius is None and shapes.names == ("circle",):
-            shapes = Shapes(shapes.names, RANGES[self.version].radius)
+            ranges = RANGES[self.version]
+            shapes = Shapes(shapes.names, ranges.radius, ranges.logarithmic)
         own = basis if self.action == "correction" else None
         layout = Layout(self.cell.robot.n_joints, shapes, own, payload=self.version > 0)
         object.__setattr__(self, "layout", layout)
@@ -196,9 +198,9 @@ class Rules(EnvCfg):
         """Build the experiment of a task and run it without learning."""
         return self.first(*self.prepared(drawn))
 
-    def prepared(self, drawn: Task) -> tuple[Task, Experiment]:
+    def prepared(self, drawn: Task, imu: ImuCfg | None = None) -> tuple[Task, Experiment]:
         """A task within reach and its experiment. Raises as `task.experiment`."""
-        imu = RewardSensor(self.reward).imu
+        imu = imu or RewardSensor(self.reward).imu
         return task.within_reach(self.robot_or_cell, self.nominal, drawn, imu)
 
     def first(self, drawn: Task, experiment: Experiment) -> Situation:
@@ -262,11 +264,13 @@ class Rules(EnvCfg):
         found = {"motor_error_predicted": norm, "rms_held": float(held.measured.rms)}
         return min(score, later, key=lambda one: one.reward), found
 
-    def predicted(self, situation: Situation, design: Design) -> tuple[Array, Array]:
-        """Correction and error (N, n) [rad], arm side, of run HORIZON, by the model."""
+    def predicted(
+        self, situation: Situation, design: Design, until: int = HORIZON
+    ) -> tuple[Array, Array]:
+        """Correction and error (N, n) [rad], arm side, of run `until`, by the model."""
         centre = situation.centre
         now = situation.correction - centre, situation.error
-        correction, error = outlook.held(self.T_u, design, *now, HORIZON - situation.k)
+        correction, error = outlook.held(self.T_u, design, *now, until - situation.k)
         return centre + correction, error
 
     def held(self, situation: Situation, correction: Array) -> Situation:

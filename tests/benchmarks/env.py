@@ -11,6 +11,8 @@ from armside.assets import LARGE_ROBOT_XML
 from armside.sim.laser.design import THESIS
 from armside.sim.robot.run import cores
 from armside.sim.tuning.action import Motors, action_of
+from armside.sim.tuning.rules import Rules
+from armside.sim.tuning.situation import restarted
 from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 
 from ._timing import Row, interleaved
@@ -43,11 +45,27 @@ def measured() -> Sequence[Row]:
     whole, bare_whole = interleaved([episode, bare_episode], repeats=3)
     cells.close()
     peer = f"bare mujoco.rollout, {cores()} threads"
+    looking, plain = interleaved([_last_step(1), _last_step(0)], repeats=5)
     return [
         Row(f"step of {ROBOTS} robots", ours, peer, theirs),
         Row("episode: reset with planning, five steps", whole, peer, bare_whole),
+        Row(f"last step of {OF_FILES} robots, which looks ahead", looking, "of version 0", plain),
         *(_step_of_file(file, peer) for file in FILES),
     ]
+
+
+def _last_step(version: int) -> Callable[[], None]:
+    """The last step of the same episodes over and over."""
+    rules = Rules(version=version, iterations=1)
+    options = OPTIONS | {"pose": "p1", "radius": 0.005, "payload": 50.0}
+    each = [rules.begin(rules.draw(np.random.default_rng(i), options)) for i in range(OF_FILES)]
+
+    def step() -> None:
+        for before in each:
+            after = rules.advance(restarted(before), THESIS)
+            rules.step(before, after, THESIS)
+
+    return step
 
 
 def _step_of_file(name: str, peer: str) -> Row:

@@ -17,6 +17,7 @@ from armside.scripts.studies.search import evaluate, nominal_best, random_best, 
 from armside.scripts.studies.tune_report import results
 from armside.sim.laser.design import THESIS, Design
 from armside.sim.tuning import objective as tuning_objective
+from armside.sim.tuning import situation
 from armside.sim.tuning.objective import WORST, Ratio
 from armside.sim.tuning.rules import Rules
 
@@ -127,19 +128,46 @@ def test_the_gain_over_random_search_stands_at_equal_runs_with_its_interval(
 def test_the_nominal_robot_and_random_search_try_other_designs(monkeypatch):
     """Else the search is compared with itself."""
     tried = []
-    monkeypatch.setattr(tuning_objective.Objective, "ratio", lambda _, design: noted(tried, design))
+    for name in ("ratio", "foreseen"):
+        monkeypatch.setattr(tuning_objective.Objective, name, lambda _, one: noted(tried, one))
     with objective_at_p1(payload=40.0, episodes=1, iterations=1) as objective:
         found = nominal_best(objective, 8, 0)
         known, tried[:] = list(tried), []
         random_best(objective, 0, 0)
     assert not set(known) & set(tried)
     assert len(found) == 3
-    assert all(objective.rules.criterion(design) < 1.0 for design in known)
+    assert all(objective.rules.criterion(design) < 1.0 for design in (*known, *tried))
 
 
 def noted(tried, design):
     tried.append(design)
     return Ratio(1.0, 1.0)
+
+
+def test_learning_from_the_tracker_is_tuned_without_a_shift_and_beats_the_motors(armside, tmp_path):
+    best = {}
+    for measure in ("motor", "tracker"):
+        line = f"tune {QUICK} --measure {measure} --trials 2 --quiet --out {measure}"
+        assert armside(line).status == 0
+        best[measure] = json.loads((tmp_path / measure / "summary.json").read_text())["best"]
+    tracker = best["tracker"]
+    assert (tracker["delta"], tracker["criterion"]) == (0, abs(1.0 - tracker["gamma"]))
+    assert tracker["ratio_true"] < 0.5 * best["motor"]["ratio_true"]
+
+
+@pytest.mark.parametrize("options", ["--motors each", "--nominal 2"])
+def test_what_the_law_of_the_tool_has_not_is_refused(armside, options):
+    status, _, err = armside(f"tune --measure estimate {options}")
+    assert (status, err.count("\n")) == (2, 1)
+    assert "need --measure motor, not estimate" in err
+
+
+def test_the_model_foresees_the_end_of_learning_in_two_runs(monkeypatch):
+    with objective_at_p1(payload=40.0, episodes=1) as objective:
+        runs, run = [], situation._run
+        monkeypatch.setattr(situation, "_run", lambda *given: runs.append(given) or run(*given))
+        assert objective.foreseen(THESIS).true < 1.0
+    assert len(runs) == 2
 
 
 def test_the_interval_of_a_gain_is_that_of_paired_differences():

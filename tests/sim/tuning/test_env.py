@@ -284,7 +284,7 @@ def test_the_page_has_the_numbers_of_version_1():
     for words in (
         f"{n} with six axes",
         f"speed ({low} to {high} mm/s), payload ({light} to {heavy} kg)",
-        f"radius ({small} to {large} mm)",
+        f"radius ({small} to {large} mm",
         f"held to update {HORIZON} ",
         *(f"from {v.low:g} to {v.high:g}" for v in VARIABLES),
     ):

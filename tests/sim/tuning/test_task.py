@@ -10,7 +10,14 @@ from armside.sim.robot.model import load_model
 from armside.sim.robot.spread import Drawn
 from armside.sim.robot.statics import Statics
 from armside.sim.tuning import episode_task as task
-from armside.sim.tuning.episode_task import PAYLOADS, POSE_SPREAD, SPEEDS, draw
+from armside.sim.tuning.episode_task import (
+    PAYLOADS,
+    POSE_SPREAD,
+    RANGES,
+    SPEEDS,
+    Shapes,
+    draw,
+)
 from armside.sim.tuning.rules import Rules
 
 
@@ -30,6 +37,31 @@ def test_draws_fill_the_documented_ranges_and_no_more():
     away = np.array([np.abs(places - d.pose.position).max(axis=1).min() for d in drawn])
     assert 0.9 * POSE_SPREAD < away.max() <= POSE_SPREAD
     assert len({d.individual for d in drawn}) == len(drawn)
+
+
+def test_version_1_draws_wider_and_evenly_in_turns_per_second():
+    shapes, ranges = Shapes(("circle",), RANGES[1].radius, True), RANGES[1]
+    rngs = (np.random.default_rng(seed) for seed in range(400))
+    drawn = [draw("large", rng, {}, shapes, ranges) for rng in rngs]
+    for values, (low, high) in (
+        (np.array([d.speed for d in drawn]), (0.02, 0.1)),
+        (np.array([d.radius for d in drawn]), (0.002, 0.012)),
+    ):
+        assert low <= values.min()
+        assert values.max() <= high
+        # Half of the draws lie below the geometric mean: three deviations of 400 are 0.075.
+        assert np.mean(values < np.sqrt(low * high)) == pytest.approx(0.5, abs=0.075)
+    away = [np.abs(np.subtract(d.pose.position, d.near.position)).max() for d in drawn if d.near]
+    assert len(away) == len(drawn)
+    assert 0.22 < max(away) <= 0.25
+
+
+def test_a_pose_of_version_1_out_of_reach_comes_closer_and_a_given_one_does_not():
+    rules = Rules(version=1, robot="irb1400")
+    far = [rules.draw(np.random.default_rng(seed)) for seed in range(8)]
+    made = [rules.prepared(task)[0] for task in far]  # raises out of reach
+    assert any(task.pose != one.pose for task, one in zip(far, made, strict=True))
+    assert rules.draw(np.random.default_rng(0), {"pose": "p1"}).near is None
 
 
 def test_what_is_given_is_taken_and_the_rest_stays_as_drawn():
