@@ -52,6 +52,7 @@ deviation of the noise over that of the data. Of 24 pairs the best where each ta
 development is left out in turn."""
 TOOLS = 2
 """Sealed tasks that are learned from the estimate of the tool too, which takes longest."""
+PPO_RUNS = 112 * RUNS  # 560 steps are 112 episodes
 PPO = sorted((Path(__file__).parent / "ppo").glob("*.npz"))
 NOTHING, THE_THESIS, RANDOM = "nothing", "thesis design", "random design in every step"
 BY_RANDOM, BY_OPTUNA = "fixed, random search", "fixed, Optuna"
@@ -196,7 +197,7 @@ def reached(rows: Rows) -> Reached:
     found[RANDOM] = random[:, 1], random[:, 2], 0, 0
     found[BY_RANDOM], found[BY_OPTUNA] = ((*column(POOL + i), BUDGET, 0) for i in range(2))
     for i in range(ppo.shape[1]):
-        found[f"PPO, seed {i}"] = ppo[:, i, 1], ppo[:, i, 2], BUDGET, 0
+        found[f"PPO, seed {i}"] = ppo[:, i, 1], ppo[:, i, 2], PPO_RUNS, 0
     found[CONTEXT] = *best(chosen[:, np.newaxis]), BUDGET, 0
     found[HINDSIGHT] = *column(int(true.mean(axis=0).argmin())), 0, m * RUNS
     found[NOMINAL] = *best(ranked[:, :1]), 0, 0
