@@ -17,7 +17,7 @@ from armside.sim.laser.strokes import StrokesJob
 
 from ..figures.canvas import logarithmic, panels
 from ..jobs.store import Job
-from .paper_bands import BANDS, JUDGEMENT, ON_ARMS
+from .paper_bands import BANDS, JUDGEMENT, NOT_BUILT, ON_ARMS, OUTSIDE
 from .report import Asked, Entry, Part, Read, Section
 
 PRINTED = {"reference": (0.026, 0.059), "torque M": (0.058, 0.128), "torque L": (0.012, 0.038)}
@@ -169,6 +169,14 @@ def square(robot: str, suffix: str, read: Read, folder: Path) -> Section:
     return _section(id, title, caption, checks, Table("Motion errors", head, rows))
 
 
+def not_built(_: Read, __: Path) -> Section:
+    """T2, L1, N1: in one line and in a table without verdicts."""
+    caption = f"Not built, so without a value: {', '.join(NOT_BUILT)}."
+    rows = [[id, *words] for id, words in NOT_BUILT.items()]
+    table = Table(caption, ["", "what", "paper", "band"], rows)
+    return Section(OUTSIDE, "What is not built", caption, tables=[table], source="paper")
+
+
 SPREAD: Sequence[Callable[[Array], float]] = (np.median, np.min, np.max)
 
 
@@ -194,5 +202,6 @@ ENTRIES = [
         )
         for robot, suffix in (("m16ib_like.toml", ""), ("large", "-large"))
     ),
+    _entry(OUTSIDE, [], not_built),
 ]
 """Sections in the order of the report."""

@@ -51,3 +51,14 @@ BANDS = {
     "T1-peak-motor": Check("", "TCP peak, motor side, last / first", "1.00", 0, 0.8),
 }
 """Without a value. Medians over the individuals, ratios where the robot is another one."""
+
+NOT_BUILT = {
+    "T2-smoother": ("smoother over motor angles, position, static part in", "0.42", "≤ 0.42"),
+    "T2-doubled": ("the same, stiffness and damping doubled in the model", "0.53", "≤ 0.53"),
+    "T2-online": ("causal filter over motor angles, position", "0.55", "≤ 0.55"),
+    "L1": ("first run on an unseen edge, position RMS over the uncorrected run", "0.47", "≤ 0.47"),
+    "N1": ("share of one learning step, tool position, moving, unseen speed", "70 %", "≥ 70 %"),
+}
+"""Comparisons without a value, by id: quantity, number of the paper and band."""
+OUTSIDE = "papers-not-built"
+"""Section that names them."""

@@ -4,11 +4,13 @@ Each section is drawn, without its figures, from results for which its checks ho
 the one change in the table. Where the thesis states a number, the opposite is another number.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -16,7 +18,7 @@ import pytest
 from armside.ilc.models.system import System
 from armside.kinematics.calibration.calibrate import Errors
 from armside.scripts.figures import two_mass
-from armside.scripts.thesis import chapter8, chapter_real, imu_checks
+from armside.scripts.thesis import chapter8, chapter_papers, chapter_real, imu_checks
 from armside.scripts.thesis import chapter9 as nine
 from armside.scripts.thesis.chapter9 import bands, sections
 from armside.scripts.thesis.entries import chapters
@@ -24,6 +26,7 @@ from armside.scripts.thesis.report import Asked
 from armside.sim.evaluation.check import Check
 
 from .test_chapter9 import CORRECTION, thesis_like
+from .test_papers import results as as_in_papers
 
 Of = SimpleNamespace
 
@@ -399,6 +402,67 @@ def chapter_5(**changed: Any) -> list[Check]:
     ]
 
 
+# Papers: the last run of ten, where the run is not stated
+
+
+def turned(name: str, factor: float, at: Any = -1, **of: Any) -> Change:
+    """A measure of the jobs with these fields times a factor, in a run."""
+
+    def change(job: Job, result: dict[str, Any]) -> None:
+        if name in result and all(getattr(job, key, None) == value for key, value in of.items()):
+            result[name] = np.array(result[name], dtype=float)
+            result[name][at] *= factor
+
+    return change
+
+
+RIGHT, STIFF = {"error": "right"}, {"error": "k + 15 %"}
+MOTORS, ESTIMATED = {"measure": "motor"}, {"measure": "estimate"}
+SQUARE: dict[str, Change] = {  # of both arms
+    "T1-acceleration-motor": turned("acceleration_rms", 0.95 / 1.4, **MOTORS),  # a fall of 5 %
+    "T1-acceleration-load": turned("acceleration_rms", 1.05 / 0.4, **ESTIMATED),
+    "T1-tcp": turned("tcp_rms", 1.05 / 0.4, **ESTIMATED),
+    "T1-tcp-order": turned("tcp_rms", 1.45 / 0.4, individual=100, **ESTIMATED),  # one of three
+    "T1-rest": turned("rest_acceleration_rms", 0.95 / 2.8, **MOTORS),
+    "T1-peak": turned("tcp_peak", 1.05 / 0.4, **ESTIMATED),
+    "T1-peak-motor": turned("tcp_peak", 0.5 / 1.4, **MOTORS),
+}
+PAPERS: dict[str, tuple[str, Change]] = {
+    "bench-first": ("papers-bench", turned("reference", 1.2, (0, 0), **RIGHT)),
+    "bench-first-peak": ("papers-bench", turned("reference", 0.8, (0, 1), **RIGHT)),
+    "bench-ten": ("papers-bench", turned("torque M", 2.1, **RIGHT)),
+    "bench-wrong": ("papers-bench", turned("torque M", 0.5, **STIFF)),  # one error of six
+    "bench-wrong-load": ("papers-bench", turned("torque L", 6.0, **STIFF)),
+    "T3-dkf": ("papers-estimators", turned("dkf", 1.7, ())),  # a wrong model costs nothing
+    "T3-kkf": ("papers-estimators", turned("kkf", 2.1, ())),  # the gyroscope makes it worse
+    **{
+        f"{id}{suffix}": (f"papers-square{suffix}", change)
+        for suffix in ("", "-large")
+        for id, change in SQUARE.items()
+    },
+}
+
+
+def section_papers(id: str, change: Change | None = None) -> list[Check]:
+    """Checks of a section on papers."""
+
+    def read(job: Job) -> dict[str, Any]:
+        made = as_in_papers(job)
+        if change is not None:
+            change(job, made)
+        return made
+
+    @contextmanager
+    def panels(*_: Any, **__: Any) -> Iterator[list[MagicMock]]:
+        yield [MagicMock()] * {"papers-bench": 2, "papers-estimators": 1}.get(id, 3)
+
+    (entry,) = (entry for entry in chapter_papers.ENTRIES if entry.id == id)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(chapter_papers, "panels", panels)
+        patch.setattr(chapter_papers, "logarithmic", lambda *_: None)
+        return list(entry.make(Asked()).draw(read, Path()).checks)
+
+
 # Real arms: what the analysis of the measurements gives
 
 
@@ -476,7 +540,8 @@ def section_real(id: str, **changed: float) -> list[Check]:
 def held() -> dict[str, Check]:
     """Every check of every section, from results for which they hold."""
     checks = [*chapter_5()]
-    for chapter, section in (("8", section_8), ("9", section_9), ("real", section_real)):
+    of = {"8": section_8, "9": section_9, "papers": section_papers, "real": section_real}
+    for chapter, section in of.items():
         ids = [entry.id for entry in chapters()[chapter] if chapter != "8" or not entry.alone]
         checks += [check for id in ids for check in section(id)]
     return {check.id: check for check in checks}
@@ -490,6 +555,8 @@ def opposite(id: str) -> list[Check]:
         return bands.criterion_of(*MODELS[id])
     if id in CHAPTER_8:
         return section_8(CHAPTER_8[id][0], CHAPTER_8[id])
+    if id in PAPERS:
+        return section_papers(*PAPERS[id])
     if id in REAL:
         section, name, value = REAL[id]
         return section_real(section, **{name: value})
@@ -497,7 +564,7 @@ def opposite(id: str) -> list[Check]:
     return chapter_5(**{name: value})
 
 
-IDS = [*CHAPTER_5, *CHAPTER_8, *CHAPTER_9, *MODELS, *REAL]
+IDS = [*CHAPTER_5, *CHAPTER_8, *CHAPTER_9, *MODELS, *PAPERS, *REAL]
 
 
 def test_every_check_of_a_report_is_in_the_table():

@@ -1,16 +1,18 @@
 """`armside reproduce papers`: verdicts from results, and checks of their own form."""
 
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from armside.ilc.bench_study import ESTIMATES, BenchEstimation, BenchLearning
+from armside.scripts.cli import main
 from armside.scripts.commands import reproduce as command
 from armside.scripts.thesis import chapter_papers as papers
 from armside.scripts.thesis.entries import select
 from armside.scripts.thesis.pages import columns, count, markdown
-from armside.scripts.thesis.paper_bands import BANDS, DEVELOPMENT, JUDGEMENT, ON_ARMS
+from armside.scripts.thesis.paper_bands import BANDS, DEVELOPMENT, JUDGEMENT, NOT_BUILT, ON_ARMS
 from armside.scripts.thesis.report import Asked
 from armside.sim.laser.strokes import StrokesJob, fields_of_numbers
 
@@ -75,7 +77,7 @@ def test_papers_are_made_by_their_name_alone():
 
 
 def test_checks_are_printed_with_the_number_of_the_paper(tmp_path, monkeypatch):
-    _, section = drawn(papers.bench, tmp_path)
+    sections = [drawn(papers.bench, tmp_path)[1], papers.not_built(results, tmp_path)]
     found = {}
 
     class Quiet:
@@ -83,8 +85,30 @@ def test_checks_are_printed_with_the_number_of_the_paper(tmp_path, monkeypatch):
         table = line = lines = staticmethod(lambda *_: None)
         summary = staticmethod(found.update)
 
-    command._print(Quiet(), [section])
+    command._print(Quiet(), sections)
     first = found["checks"][0]
     band = BANDS["bench-first"].band
     expected = {"id": "bench-first", "paper": "0.354", "band": band, "value": 0.354, "holds": True}
     assert first | {"value": round(first["value"], 9)} == expected
+    last = found["checks"][-1]
+    unbuilt = {"id": "N1", "paper": "70 %", "band": "≥ 70 %", "value": None, "holds": False}
+    assert last == unbuilt
+
+
+ASKED = (
+    *("T1-acceleration-motor", "T1-acceleration-load", "T1-tcp", "T1-rest", "T1-peak"),
+    *("bench-first", "bench-ten", "bench-wrong", "T3-dkf", "T3-kkf"),
+    *("T2-smoother", "T2-doubled", "T2-online", "L1", "N1"),
+)
+
+
+def test_each_comparison_is_named_and_those_not_built_are_said_to_be(capsys):
+    assert set(ASKED) <= {*BANDS, *NOT_BUILT}
+    assert not set(BANDS) & set(NOT_BUILT)
+    line = papers.not_built(results, Path()).caption
+    assert line == f"Not built, so without a value: {', '.join(NOT_BUILT)}."
+    assert main(["reproduce", "papers", "--help"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    built, rest = text.split("Not built")
+    for id in ASKED:
+        assert id in (rest if id in NOT_BUILT else built)
