@@ -28,6 +28,7 @@ from armside.scripts.shell.parser import make_app
 
 project = "armside"
 author = "the armside authors"
+copyright = f"2026, {author}"
 version = release = version_of("armside")
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 exclude_patterns = ["_build"]
