@@ -309,3 +309,12 @@ def test_a_refined_gain_leaves_no_step_that_lowers_the_squares():
 
     K, first = squares(0.0 * TRUE.K)
     assert squares(K)[1] == pytest.approx(first, rel=2e-5)
+
+
+def test_a_zero_outside_the_unit_circle_goes_to_its_mirror_image_or_to_the_bound():
+    """F = (q - 2)(q - 1.01)(q - 0.5): 2 becomes 1/2, 1.01 becomes 0.95, and 0.5 stays."""
+    orders = Orders.output_error(1, 3, 1)
+    theta = np.concatenate(([1.0], np.poly([2.0, 1.01, 0.5])[1:]))
+    made = Polynomials(orders, theta, T_S).with_stable_predictor(0.95)
+    np.testing.assert_allclose(np.sort(np.roots(made.parts["f"])), [0.5, 0.5, 0.95], atol=1e-6)
+    assert made.is_predictor_stable
