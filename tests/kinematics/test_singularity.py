@@ -64,3 +64,13 @@ def test_manipulability_of_fewer_than_six_joints_is_zero():
     """det(J J^T) of a 6 x 3 Jacobian."""
     J = np.random.default_rng(0).normal(size=(4, 6, 3))
     assert np.array_equal(manipulability(J), np.zeros(4))
+
+
+@pytest.mark.parametrize("robot", [PLANAR, SCARA, IRB1400])
+def test_the_least_singular_value_is_the_last_that_is_not_zero_elsewhere(robot):
+    """By eigenvalues of J J^T, whose roots are known to 1e-8: where they do not vanish."""
+    phi = np.linspace(0.3, 0.8, robot.n_joints)
+    J = compile(robot).jacobian(phi)
+    size = np.sqrt(np.sort(np.maximum(np.linalg.eigvalsh(J @ J.T), 0.0))[::-1])
+    expected = size[regular_rank(robot) - 1]
+    assert rank_loss(robot, phi).least_singular_value == pytest.approx(expected, rel=1e-6)

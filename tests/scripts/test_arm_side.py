@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from armside.scripts.cli import main
@@ -78,3 +79,19 @@ def test_learning_from_the_estimate_needs_one_run_to_commission():
     cut = Cut(pose="p1", without=tuple(Effect))
     iterations = list(learn(cut, measure="estimate", seed=1))
     assert iterations[-1].tool.rms < 0.15 * iterations[0].tool.rms
+
+
+def test_the_gears_that_are_assumed_are_off_by_up_to_the_given_per_cent(monkeypatch, tmp_path):
+    """Six draws from -20 to 20 %: the largest is below 10 % once in 64."""
+    assumed = []
+
+    def noted(_, arm):
+        assumed.append(arm.stiffness)
+        raise RuntimeError("noted")
+
+    monkeypatch.setattr("armside.sim.laser.identification.identified", noted)
+    for error in (0, 20):
+        line = f"identify --stiffness-error {error} --quiet --out {tmp_path / str(error)}"
+        assert main(line.split()) == 1
+    right, wrong = assumed
+    assert 0.1 < np.abs(wrong / right - 1.0).max() <= 0.2

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from armside.scripts.figures import two_mass as two_mass_figures
+from armside.scripts.thesis import chapter5 as figures_of_chapter5
 from armside.scripts.thesis import imu_checks as chapter5
 from armside.scripts.thesis.chapter8 import ENTRIES
 from armside.scripts.thesis.report import Asked
@@ -169,3 +170,26 @@ def test_every_number_of_chapter_8_is_judged_by_its_band(checks_8):
     assert {check.id for check in checks_8} == set(CHAPTER_8)
     for check in checks_8:
         assert_band(check, *CHAPTER_8[check.id])
+
+
+def test_the_error_of_figure_5_10_is_drawn_from_the_synchronisation_on(monkeypatch, tmp_path):
+    shown = {}
+    monkeypatch.setattr(
+        figures_of_chapter5.figures,
+        "acceleration_error",
+        lambda _, time, curves, *__: shown.update(curves, time=time),
+    )
+    monkeypatch.setattr(figures_of_chapter5.checks, "windows", lambda _: [])
+    speeds = np.array(list(figures_of_chapter5.PARTS.values()))
+    result = {
+        "time": np.arange(4.0), "since": 2.0,
+        "move_speed": speeds, "move_start": 0.0 * speeds, "move_end": 1.0 + 0.0 * speeds,
+    }  # fmt: skip
+    for prefix in figures_of_chapter5.PROCESSED.values():
+        result[f"{prefix}window_rms"] = np.arange(12.0).reshape(4, 3)
+        for key in ("max", "time"):
+            result[f"{prefix}acceleration_window_{key}"] = np.ones(3)
+    figures_of_chapter5.error_along(tmp_path, result)
+    assert shown.pop("time").tolist() == [2.0, 3.0]
+    for curve in shown.values():
+        assert curve[:, 0].tolist() == [6.0, 9.0]

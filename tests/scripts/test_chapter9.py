@@ -2,13 +2,14 @@
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from armside.ilc.analysis.proposal import design_for
 from armside.ilc.models.system import System
-from armside.scripts.thesis.chapter9 import ENTRIES, bands
+from armside.scripts.thesis.chapter9 import ENTRIES, bands, response
 from armside.scripts.thesis.chapter9.bands import POSES
 from armside.scripts.thesis.chapter9.designs import CUTOFFS
 from armside.scripts.thesis.chapter9.table import STUDIES, learning_job
@@ -192,3 +193,17 @@ def rows_of(page: Path) -> list[list[str]]:
     """Rows of a Markdown table that begin with the id of a comparison."""
     rows = [line.strip("| ").split(" | ") for line in page.read_text().splitlines()]
     return [row for row in rows if re.fullmatch(r"[a-g]\d", row[0])]
+
+
+def test_the_bound_of_figure_9_8_is_one_over_the_filter(monkeypatch, tmp_path):
+    """Nearly 1 far below the cutoff, and 2 there: a Butterworth filter forwards and backwards."""
+    drawn = {}
+    monkeypatch.setattr(
+        response.figures,
+        "criterion",
+        lambda _, frequency, __, bounds: drawn.update(bounds, frequency=frequency),
+    )
+    response._criterion_figure(tmp_path / "9.8.png", SimpleNamespace(system=bands.THESIS_MODEL))  # pyright: ignore[reportArgumentType]
+    frequency = drawn.pop("frequency")
+    for cutoff, bound in zip((5.0, 10.0, 22.5), drawn.values(), strict=True):
+        assert np.interp([0.1, cutoff], frequency, bound) == pytest.approx([1.0, 2.0], abs=0.02)

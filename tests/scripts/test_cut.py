@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from armside.scripts.cli import main
+from armside.scripts.cutting.cut_run import Ready
 from armside.sim.records import read_run
 
 PLATE = ((0, 0), (40, 0), (40, 25), (0, 25))
@@ -126,3 +127,19 @@ def test_a_missing_package_is_named(tmp_path, bad_input, monkeypatch):
     monkeypatch.delitem(sys.modules, "armside.sim.part.dxf", raising=False)
     monkeypatch.setitem(sys.modules, "ezdxf", None)
     bad_input(f"cut {file} --plan-only", "pip install 'armside[parts]'")
+
+
+@pytest.mark.parametrize(("given", "asked"), [("2.5", 0.025), ("0", None)])
+def test_a_contour_has_converged_by_less_than_the_given_per_cent(
+    monkeypatch, tmp_path, given, asked
+):
+    noted = []
+
+    def iterations(_, count, converged=None):
+        noted.append((count, converged))
+        raise RuntimeError("noted")
+
+    monkeypatch.setattr(Ready, "iterations", iterations)
+    words = ["--iterations", "3", "--converged", given, "--quiet", "--out", str(tmp_path / "run")]
+    assert main(["cut", str(plate(tmp_path)), *words]) == 1
+    assert noted == [(3, pytest.approx(asked) if asked else None)]

@@ -87,6 +87,7 @@ def test_design_prints_its_sentence_and_writes_its_numbers(tmp_path, capsys):
         ("design --model nothing", "no model 'nothing'"),
         ("design --cutoff 50", "below the Nyquist frequency 50 Hz"),
         ("design --cutoff -1", "cutoff must be > 0 Hz"),
+        ("design --cutoff 0.0499", "cutoff must be >= 0.05 Hz, below which no criterion"),
         ("design --model two-mass-arm --cutoff 45", "infeasible design"),
         ("design --share 1.5", "share must be in (0, 1)"),
     ],

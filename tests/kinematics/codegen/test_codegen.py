@@ -209,3 +209,12 @@ def test_functions_of_time_become_names_that_code_can_use():
     program = program_of("w", symbolic.angular_velocity([Link("q[1](t)", 0, 0, "Pi/2")] * 2))
     assert [str(s) for s in program.inputs[0].elements] == ["q_1", "q_1d"]
     assert not any(e.has(moving("q", 1)) for _, e in program.steps)
+
+
+def test_a_line_of_fortran_has_at_most_132_characters_without_an_option_of_a_compiler():
+    """ISO/IEC 1539-1, free source form."""
+    loads = sp.symbols("load_of_axis_1:25")
+    (text,) = write(program_of("w", sp.Matrix([sum(loads)])), Language.FORTRAN, "f").values()
+    lines = text.splitlines()
+    assert sum(line.endswith(" &") for line in lines) == 3
+    assert max(map(len, lines)) <= 132

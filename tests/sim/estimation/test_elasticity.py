@@ -1,8 +1,10 @@
 """Springs of an arm."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from armside.sim.estimation.elasticity import Elasticity
+from armside.sim.estimation.elasticity import Elasticity, parameters_at
 
 SPRINGS = Elasticity(
     stiffness=np.array([1000.0, 400.0]),
@@ -25,3 +27,10 @@ def test_factors_of_damping_tell_gears_from_the_structure():
     np.testing.assert_allclose(scaled.stiffness, [2000.0, 1200.0])
     np.testing.assert_allclose(scaled.damping, [10.0, 21.0])
     np.testing.assert_allclose(scaled.lost_motion, [0.2, 0.0])
+
+
+def test_parameters_of_arrays_are_told_apart_as_objects():
+    """So that a set-up that holds them can be compared and be a key."""
+    known = parameters_at(SPRINGS, np.zeros(7), 1.0)
+    assert {known: "known"}[known] == "known"
+    assert known != replace(known)

@@ -6,7 +6,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from armside.sim.cell import LARGE_ROBOT_POSES
-from armside.sim.evaluation.tool_error import fit, path_measures, signed_distance, tool_error
+from armside.sim.evaluation.tool_error import (
+    attained,
+    fit,
+    path_measures,
+    signed_distance,
+    tool_error,
+)
 from armside.sim.laser import Cut
 from armside.sim.motion.contour import Circle, hexagon, slot, square
 from armside.sim.motion.tool_motion import cut
@@ -137,3 +143,12 @@ def test_a_size_error_is_a_path_error():
     centre = np.array(POSE.position)
     found = path_measures(motion, [(time, centre + 1.02 * (position - centre))])
     assert found.accuracy == pytest.approx(1e-4, rel=1e-3)
+
+
+def test_attained_points_need_three_samples_of_the_contour_a_run():
+    motion = motion_of(Cut(pose=POSE))
+    time, position = samples(motion)
+    on = np.flatnonzero(motion.is_on_contour(time))[:: len(time) // 8]
+    three, two = ((time[i], position[i]) for i in (on[:3], on[:2]))
+    assert np.isnan(attained(motion, [three, two])).all()
+    assert np.isfinite(attained(motion, [three, three])).any()

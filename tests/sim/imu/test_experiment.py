@@ -4,8 +4,10 @@ import copy
 from dataclasses import replace
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from mujoco.rollout import Rollout
+from rerun.chunk import RrdReader
 
 from armside import assets
 from armside.sim.imu import (
@@ -19,6 +21,7 @@ from armside.sim.imu import (
     run_one,
     run_rest,
 )
+from armside.sim.imu.imu_files import write_imu_replay
 from armside.sim.imu.phases import idle_peaks, under_way
 from armside.sim.robot.flexibility import Flexibility, variant
 from armside.sim.robot.model import load_model
@@ -206,3 +209,17 @@ def test_a_run_is_one_rollout_of_the_physics(monkeypatch):
     recording = loaded.run(rng=np.random.default_rng(0))
     assert steps == [len(loaded.powered)]
     assert recording.time[-1] == pytest.approx(steps[0] * loaded.model.timestep, abs=0.004)
+
+
+def test_runs_stand_one_after_the_other_on_the_timeline_of_a_replay(done, tmp_path):
+    """The second begins a picture, 20 ms, after the end of the first."""
+    write_imu_replay(tmp_path / "two.rrd", [done, done])
+    spans = list[tuple[int, int]]()
+    for chunk in RrdReader(tmp_path / "two.rrd").stream().to_chunks():
+        batch = chunk.to_record_batch()
+        if chunk.entity_path == "/acceleration_error_rms" and "time" in batch.schema.names:
+            time = batch.column("time").cast(pa.int64()).to_numpy()
+            spans.append((time.min(), time.max()))
+    (begun, _), (again, _) = sorted(spans)
+    seconds = float(done.run.recording.time[-1]) + 0.02
+    assert 1e-9 * (again - begun) == pytest.approx(seconds, abs=1e-6)

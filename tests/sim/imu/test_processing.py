@@ -281,3 +281,14 @@ def test_the_moving_rms_of_a_constant_is_the_constant_and_sees_only_its_window()
 def test_a_delay_beyond_the_search_of_the_clock_is_refused(name, delay):
     with pytest.raises(ValueError, match=f"{name} must be from 0 to 500 ms"):
         ProcessingCfg(**{name: delay})
+
+
+def test_a_bias_is_drawn_to_zero_by_its_prior_as_the_mean_of_gaussians():
+    """Readings at rest without gravity say nothing of the mounting: b = r K/s^2 (K/s^2 + 1/p^2)^-1
+    for K readings r of deviation s and a prior p."""
+    prior, zero, reading = Prior(), np.zeros((5, 3)), np.array([0.01, -0.02, 0.005])
+    found = calibrate(zero, zero + reading, zero, zero, prior)
+    told = 5.0 / prior.angular_velocity**2
+    expected = reading * told / (told + prior.gyroscope_bias**-2)
+    np.testing.assert_allclose(found.gyroscope_bias, expected, rtol=1e-9)
+    np.testing.assert_allclose(found.accelerometer_bias, 0.0, atol=1e-15)

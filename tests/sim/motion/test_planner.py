@@ -23,7 +23,7 @@ from armside.sim.motion.instructions import (
     Target,
     Wait,
 )
-from armside.sim.motion.planner import plan_program
+from armside.sim.motion.planner import plan_program, straight_timing
 from armside.sim.motion.program_file import read_program
 
 PROGRAMS = sorted((IRB1400_XML.parent / "programs").glob("*.toml"))
@@ -329,3 +329,14 @@ def test_slower_dynamics_never_make_a_program_faster():
         dynamics=replace(Dynamics(), path_acceleration=2.0, jerk_time=0.1),
     )
     assert slow.time[-1] > quick.time[-1]
+
+
+def test_a_line_is_timed_as_the_fraction_of_its_way():
+    """0.3 m at 0.2 m/s: from 0 to 1, never back, at most 2/3 a second; speed is its derivative."""
+    program = Program(instructions=(line(B),), start=START, dynamics=Dynamics())
+    timing = straight_timing(program, IRB1400, IRB1400_LIMITS)
+    time = np.linspace(0.0, timing.duration, 2001)
+    fraction, speed, _ = timing.at(time)
+    assert (fraction[0], fraction[-1]) == pytest.approx((0.0, 1.0), abs=1e-9)
+    assert speed.max() == pytest.approx(0.2 / 0.3, rel=1e-4)
+    np.testing.assert_allclose(np.gradient(fraction, time)[1:-1], speed[1:-1], atol=2e-3)

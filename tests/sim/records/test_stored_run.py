@@ -17,6 +17,7 @@ from armside.sim.laser import experiment, specification
 from armside.sim.motion import tool_motion
 from armside.sim.motion.contour import Circle, hexagon, slot
 from armside.sim.motion.path import CuttingPath, Plane
+from armside.sim.recordings.read import read_run_motion
 from armside.sim.records import read_run
 from armside.sim.records.files import InputError
 from armside.sim.records.programmed_path import from_json, to_json
@@ -138,3 +139,10 @@ def test_a_run_without_path_is_read_but_neither_replayed_nor_measured(folders, t
     (old / "robot.xml").unlink()
     with pytest.raises(InputError, match=r"has no robot\.xml"):
         _ = read_run(old).robot
+
+
+def test_the_recording_of_a_run_is_its_first_iteration_by_its_sensors(folders):
+    run, motion = read_run(folders / "circle").signals.runs[0], read_run_motion(folders / "circle")
+    assert run.k == 0
+    np.testing.assert_array_equal(motion.encoders.values, run.recording.motor_angle)
+    np.testing.assert_array_equal(motion.encoders.time, run.recording.time)

@@ -14,6 +14,7 @@ from armside.sim.motion.path import CuttingPath, Plane
 from armside.sim.motion.tool_motion import plan_cut
 from armside.sim.records.signals import RecordedRun
 from armside.sim.replay import film
+from armside.sim.replay.offscreen import widen
 from armside.sim.replay.paths import Contour
 from armside.sim.robot.recording import Recording, Truth
 
@@ -271,3 +272,29 @@ def test_a_small_round_hole_of_a_part_is_drawn_as_wide_as_high():
     spread = [np.sqrt(np.cov(at, aweights=ink.sum(axis=axis))) for axis in (0, 1)]
     assert spread[0] > 4.0
     assert spread[0] == pytest.approx(spread[1], rel=0.02)
+
+
+BALL = """
+<mujoco>
+  <worldbody>
+    <camera name="front" pos="0 0 0" fovy="{given}"/>
+    <geom type="sphere" size=".1" pos="{x} {y} -2"/>
+  </worldbody>
+</mujoco>
+"""
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "half"),
+    # Its edge is at most 0.1 m further out and 0.2 m nearer than its centre; a picture that is
+    # twice as wide as high needs half of the angle's tangent across.
+    [(1.0, 0.0, 1.1 / 2.0 / 1.9), (0.0, 1.0, 1.1 / 1.9), (0.0, 0.0, 0.0)],
+)
+def test_a_camera_is_widened_to_the_edge_of_a_ball(x, y, half):
+    mj = mujoco.MjModel.from_xml_string(BALL.format(given=5.0, x=x, y=y))
+    data, camera = mujoco.MjData(mj), mujoco.MjvCamera()
+    mujoco.mj_forward(mj, data)
+    camera.type, camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, 0
+    widen(mj, data, camera, aspect=2.0)
+    nearest = max(half, 0.1 / 1.9)
+    assert mj.cam_fovy[0] == pytest.approx(2.0 * np.degrees(np.arctan(nearest)), rel=1e-9)

@@ -306,3 +306,15 @@ def test_linkages_decide_whether_structure_damping_is_drawn(design, irb1400):
     assert Linkage(design.mj).is_open
     assert np.ptp(Drawn(0).of(design).structure_damping) > 0.0
     assert Drawn(0).of(irb1400).structure_damping == 1.0
+
+
+@pytest.mark.parametrize("number", [6, 11])
+def test_the_axis_of_a_hidden_hinge_is_of_unit_length_and_leans_by_at_most_15_degrees(
+    design, number
+):
+    free = {"lower_arm": 2, "tube": 0, "tilt": 1}
+    hinges = Drawn(number).of(design).hidden
+    assert {hinge.body for hinge in hinges} == set(free)
+    for hinge in hinges:
+        assert np.linalg.norm(hinge.axis) == pytest.approx(1.0)
+        assert abs(hinge.axis[free[hinge.body]]) <= np.sin(np.deg2rad(15.0)) + 1e-12

@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from armside.sim.twin.commission import SENSORS
-from armside.sim.twin.prediction import Evidence, FirstCutPrediction, _objection, predicted
+from armside.sim.twin.parameters import Block, Parameters
+from armside.sim.twin.prediction import (
+    Evidence,
+    FirstCutPrediction,
+    _objection,
+    is_identified,
+    predicted,
+)
 
 INSIDE, AROUND, RESIDUAL = 2e-6, np.array([6e-6, 8e-6, 5e-6]), 7e-6
 
@@ -104,3 +111,12 @@ def test_an_interval_is_that_of_the_variances_by_hand():
     found = predicted(1e-4, INSIDE, AROUND, of())
     ends = 1e6 * np.array([found.low, found.expected, found.high])
     np.testing.assert_allclose(ends, [2.0138, 3.7996, 6.4593], rtol=1e-4)
+
+
+@pytest.mark.parametrize("part", [0.69, 0.71])
+def test_the_cuts_tell_of_what_they_know_to_seven_tenths_of_its_prior(part):
+    springs, places = Block("springs", (2,), 0.3), Block("places", (1,), 0.7e-3)
+    known = is_identified(
+        Parameters((springs, places)), np.diag(np.square([part * 0.3, 0.2 * 0.3, part * 0.7e-3]))
+    )
+    assert known.tolist() == [part < 0.7, True, part < 0.7]
