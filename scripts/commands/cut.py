@@ -14,7 +14,7 @@ from armside.sim.records.summary import dumps, summary
 from ..cutting.cut_run import fail_unless_done, ready
 from ..cutting.earlier import FromCfg, save_state, started
 from ..cutting.part_options import CutCfg, drawing, part_cut
-from ..cutting.part_program import Learner, without_twin, write_program
+from ..cutting.part_program import Learner, write_program
 from ..figures.part_results import show_plan, show_results, write_plan, write_results
 from ..shell.console import Report
 from ..shell.errors import checking_input
@@ -48,7 +48,7 @@ def cut(
     show_plan(report, plan)
     about: dict[str, Any] = {"part": part}
     if made is not None:
-        made = made.corrected_by(without_twin(cfg))
+        made = made.corrected_by(cfg.twin) if learner is None else learner.made
     with RunFolder("cut", seed=common.seed, out=common.out) as folder:
         write_plan(folder, plan)
         if made is None:

@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, cast, get_args
@@ -16,7 +16,7 @@ from armside.sim.controller.correction_export import RATES, Form
 from armside.sim.controller.gate import Beyond, GateError, exceeded, let_through
 from armside.sim.controller.limits import GuidanceLimits
 from armside.sim.controller.programs import corrected_by, displaced, read_program_file
-from armside.sim.controller.stored_correction import StoredCorrection, stored_correction
+from armside.sim.controller.stored_correction import StoredCorrection, ended, stored_correction
 from armside.sim.records.atomic import write_bytes
 from armside.sim.records.files import check_file_to_write
 from armside.sim.records.stored_run import read_run
@@ -214,9 +214,9 @@ def _export_program(report: Report, run: Path, into: Path, cfg: ExportCfg, commo
         beyond, notes = list[str](), list[str]()
         if stored.summary["config"].get("as_program"):
             (state,) = read_states(stored.file(STATE)).values()
-            end = stored.summary["status"]
-            if state is None or end != "done":
-                raise InputError(f"{run} ended as {end}: it left no targets to take over")
+            if state is None:
+                raise InputError(f"{run} stored no targets to take over")
+            beyond = _named(run, ended(stored.summary, state.loop.k), cfg)
             made = displaced(program, stored.path, state.loop.correction)
         else:
             correction = stored_correction(stored, cfg.law)
@@ -271,8 +271,13 @@ def _let_through(
         )
         if cell is None:
             unchecked.append("no robot is known: ranges and speeds of its joints are not checked")
+    return _named(run, found, cfg), unchecked
+
+
+def _named(run: Path, found: Mapping[str, str], cfg: ExportCfg) -> list[str]:
+    """Lines on what is let through by its name. Raises InputError for what is held back."""
     try:
-        return let_through(found, cfg.beyond), unchecked
+        return let_through(found, cfg.beyond)
     except GateError as error:
         raise InputError(f"{run}: {error}") from error
 

@@ -126,7 +126,7 @@ def predicted_line(predicted: Mapping[str, Any], rows: list[dict[str, Any]]) -> 
         f"predicted {1e6 * predicted['arm_rms']:.1f} um"
     )
     if predicted["interval"] is None:
-        return f"{text}, of unknown accuracy for a twin of so few cuts"
+        return f"{text}, of unknown accuracy"
     low, high = (1e6 * value for value in predicted["interval"])
     return f"{text}, {low:.1f} to {high:.1f} um (90 %)"
 

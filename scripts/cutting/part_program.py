@@ -1,15 +1,13 @@
 """The program of a part: `armside cut --as-program`."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from armside.arrays import Array
 from armside.sim.controller.programs import (
     PlannedProgram,
     automatic_spacing,
     learn_targets,
-    learned_in,
     new_program,
 )
 from armside.sim.controller.programs.correction import LARGEST_OFFSET
@@ -39,9 +37,8 @@ class Learner:
 
     made: "Ready"
     program: PlannedProgram
-    twin: RobotModel | None = None
-    start: Array | None = None
-    """Displacement of the path (N, 3) [m] that was learned inside the twin."""
+    robot: RobotModel | None = None
+    """The twin's, to learn on; None where there is none, or it is not trusted."""
 
     @classmethod
     def of(cls, made: "Ready", cfg: CutCfg) -> "Learner":
@@ -52,25 +49,24 @@ class Learner:
         if before is not None and before.state().loop.correction.shape[1] != DISPLACED:
             ran = "was run by samples of motors: start from a run with --as-program"
             raise InputError(f"{before.run.folder} {ran}")
-        if cfg.twin is None or before is not None:
+        if cfg.twin is None:
             return cls(made=made, program=program)
+        from armside.sim.controller.programs import first_run
         from armside.sim.twin.twin import stored_twin
 
-        twin, cut = stored_twin(cfg.twin), made.experiment.cut
-        twin.check(cut)
-        design = twin.design_with(cut.payload)
-        robot = design.load(twin.individual, made.experiment.loaded.reference).model
-        return cls(made=made, program=program, twin=robot, start=learned_in(program, robot))
+        found, robot = first_run(program, stored_twin(cfg.twin))
+        start = found.start if before is None else made.start
+        made = replace(made, by_twin=found, start=start)
+        return cls(made=made, program=program, robot=robot if found.found.trusted else None)
 
     def iterations(self, count: int, converged: float | None) -> "Iterator[Iteration]":
         """As of `Ready.iterations`."""
-        start = self.made.start if self.start is None else self.start
         return learn_targets(
             self.program,
             self.made.measure,
             count,
-            start=start,
-            robot=self.twin,
+            start=self.made.start,
+            robot=self.robot,
             converged=converged,
         )
 
@@ -116,8 +112,3 @@ def write_program(
     file: Path = folder / new.text.name
     file.write_bytes(new.text.content.encode("latin-1"))
     return [new.line, *lines], entries | {"file": file.name, "largest_offset": largest}, notes
-
-
-def without_twin(cfg: CutCfg) -> Path | None:
-    """Twin that corrects sample by sample: none of a program, which is learned inside it."""
-    return None if cfg.as_program is not None else cfg.twin

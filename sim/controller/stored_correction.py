@@ -19,7 +19,7 @@ from .gate import STATES
 
 REFERENCE = "reference.csv"
 """File with the reference in a run of `armside learn`."""
-DIVERGED = "diverged"
+DIVERGED, DONE = "diverged", "done"
 ROBOTS = ("large", "irb1400")
 OF_ANGLES = ("two-mass", "egm", "rsi")
 """Other plants of `armside learn` whose signals are angles."""
@@ -75,19 +75,19 @@ def stored_correction(run: StoredRun, law: str | None = None) -> StoredCorrectio
         sample_time=float(log.time[1] - log.time[0]),
         k=last.k,
         robot=run.summary["config"]["robot"],
-        ended=_ended(run.summary, last.k),
+        ended=ended(run.summary, last.k),
     )
 
 
-def _ended(summary: dict[str, Any], k: int) -> dict[str, str]:
-    """Notes on iteration k that hold its correction back, and the end of the run."""
+def ended(summary: Mapping[str, Any], k: int) -> dict[str, str]:
+    """What holds the correction of iteration k back by names of `gate`: notes, end of the run."""
     states = {cause.value: name for cause, name in STATES.items()}
     found: dict[str, str] = {}
     for note in summary.get("notes", ()):
         if note["cause"] in states and k in (note["runs"] or [k]):
             found.setdefault(states[note["cause"]], note["text"])
-    if summary["status"] == DIVERGED:
-        found[DIVERGED] = f"learning diverged at k = {k}"
+    if (end := summary["status"]) != DONE:
+        found.setdefault(end, f"the run ended as {end} at k = {k}")
     return found
 
 

@@ -32,6 +32,14 @@ from ..robot.virtual_robot import VirtualRobot
 from .specification import MotionT, Setup
 
 
+def of_motion(time: Array, clock: tuple[Array, Array] | None) -> Array:
+    """Times of a motion [s] at which it is where a run is at `time` [s]; clock: as of `Pass`."""
+    if clock is None:
+        return time
+    run, motion = clock
+    return np.interp(time, run, motion) + np.maximum(time - run[-1], 0.0)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Pass:
     """One pass over the contour: recorded signals and samples of the instruments."""
@@ -43,11 +51,8 @@ class Pass:
     """(P,) [s] of the run, and of the experiment's motion at the same places, where they differ."""
 
     def of_motion(self, time: Array) -> Array:
-        """Times of the experiment's motion [s] at which it is where the run is at `time` [s]."""
-        if self.clock is None:
-            return time
-        run, motion = self.clock
-        return np.interp(time, run, motion) + np.maximum(time - run[-1], 0.0)
+        """As the function of that name."""
+        return of_motion(time, self.clock)
 
     @property
     def tracked(self) -> tuple[Array, Array]:

@@ -23,7 +23,7 @@ from ..estimation.arm_plant import ArmPlant
 from ..estimation.linearised_arm import linearised
 from ..estimation.nominal import NominalCfg, nominal_arm
 from ..estimation.relative_path import relative_to_start
-from ..laser.experiment import Experiment
+from ..laser.experiment import Experiment, of_motion
 from ..robot.individual import Individual, joints
 from ..robot.mjcf import AXES, N_AXES, axis_actuators
 from ..robot.model import RobotModel
@@ -170,16 +170,18 @@ def learn_in_twin(
     return Learned(correction=best, rms=np.array(rms))
 
 
-def twin_error(experiment: Experiment, run: Recording) -> float:
+def twin_error(
+    experiment: Experiment, run: Recording, clock: tuple[Array, Array] | None = None
+) -> float:
     """RMS tool error [m] of a run of a twin, over all contours, as a tracker of 1 kHz would see it.
 
-    Infinite where the run became unstable.
+    Infinite where the run became unstable. clock: as of `Pass`.
     """
     truth, cut, motion = run.truth, experiment.cut, experiment.motion
     if not np.isfinite(truth.tool_position).all():
         return float("inf")
     every = slice(None, None, round(1e-3 / float(truth.time[1])))
-    seen = truth.time[every], truth.tool_position[every]
+    seen = of_motion(truth.time[every], clock), truth.tool_position[every]
     return cut.whole(motion, cut.errors(motion, *seen, edges=False)).rms
 
 

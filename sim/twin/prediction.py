@@ -195,9 +195,9 @@ class Corrected:
     """Correction for the first run of a cut."""
 
     correction: Array
-    """(N, 6) [rad], arm side; zero where the twin is not trusted."""
+    """(N, 6) [rad], arm side; of a program (N, 3) [m]. Zero where the twin is not trusted."""
     learned: Array = field(repr=False)
-    """(N, 6) [rad], what the twin learned, trusted or not."""
+    """As `correction`, what the twin learned, trusted or not."""
     motor_path: Array = field(repr=False)
     """(N, 6) [rad], arm side: the twin's motors with the correction in use."""
     prediction: FirstCutPrediction
@@ -230,7 +230,7 @@ def correct(
     learned = learn_in_twin(design, individual, experiment)
     spread = errors(design, around, experiment, learned.correction)
     prediction = predicted(float(learned.rms[0]), float(learned.rms.min()), spread, evidence)
-    reason = _objection(prediction)
+    reason = objection(prediction)
     used = learned.correction if reason is None else np.zeros_like(learned.correction)
     motors = motor_path(design.run([individual], experiment.loaded.reference, used)[0])
     return Corrected(
@@ -242,7 +242,8 @@ def correct(
     )
 
 
-def _objection(prediction: FirstCutPrediction) -> str | None:
+def objection(prediction: FirstCutPrediction) -> str | None:
+    """Why a correction with that prediction is not used; None where it is."""
     if not np.isfinite(prediction.high):
         return "the twin becomes unstable with its correction"
     fraction = prediction.high / prediction.uncorrected

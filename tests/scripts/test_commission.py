@@ -70,6 +70,31 @@ def test_a_whole_part_is_corrected_at_its_first_run(armside, twin, tmp_path):
     assert again["iterations"][1]["arm_rms_true"] < 1.3 * row["arm_rms_true"]
 
 
+def test_targets_are_learned_in_a_twin_before_the_first_run(armside, twin, tmp_path, monkeypatch):
+    """The error of that run is predicted; of a twin that is not trusted none are taken."""
+    plate = "corner = 1\npoints = [[0, 0], [15, 0], [15, 10], [0, 10]]\n"
+    (tmp_path / "plate.toml").write_text(plate)
+    cut = f"cut {tmp_path / 'plate.toml'} --individual {INDIVIDUAL} --iterations 0 --json"
+    cut += f" --measure tracker --as-program rapid --spacing 2 --twin {twin[0]}"
+    found = json.loads(armside(f"{cut} --out {tmp_path / 'run'}").out)
+    predicted, (row,) = found["predicted"], found["iterations"]
+    assert predicted["trusted"]
+    assert predicted["interval"] is None  # factors are not those of programs
+    assert 0.0 < predicted["arm_rms"] < 0.3 * predicted["uncorrected"]
+    assert row["arm_rms_true"] < 0.3 * predicted["uncorrected"]
+    assert found["program"]["largest_offset"] > 1e-4
+    again = json.loads(armside(f"cut --from {tmp_path / 'run'} --iterations 1 --json").out)
+    assert again["iterations"][0] == row
+    assert again["iterations"][1]["arm_rms_true"] < row["arm_rms_true"] + SCATTER
+    monkeypatch.setattr("armside.sim.twin.prediction.LARGEST_FRACTION", 0.0)
+    found = json.loads(armside(cut).out)
+    assert not found["predicted"]["trusted"]
+    assert any("the twin is not trusted here" in note["text"] for note in found["notes"])
+    assert found["program"]["largest_offset"] == 0.0
+    plain = json.loads(armside(cut.partition(" --twin")[0]).out)
+    assert found["iterations"] == plain["iterations"]
+
+
 def test_a_first_cut_whose_beam_is_lost_keeps_its_results(armside, twin, tmp_path, monkeypatch):
     """Friction is followed by torque alone; what the tracker would have measured is missing."""
     narrow = partial(LaserTrackerCfg, acceptance_angle=1e-5)

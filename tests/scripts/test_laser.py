@@ -175,4 +175,4 @@ def test_the_interval_of_a_correction_that_is_not_used_is_not_printed():
 
 def test_an_interval_that_is_not_known_is_not_printed():
     said = line(FOUND | {"interval": None}, [{"arm_rms": 2.5e-6}])
-    assert said.endswith("predicted 2.0 um, of unknown accuracy for a twin of so few cuts")
+    assert said.endswith("predicted 2.0 um, of unknown accuracy")

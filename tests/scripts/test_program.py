@@ -1,6 +1,7 @@
 """`armside program read`, `armside cut --as-program` and `armside export RUN --into`."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from scipy.spatial import KDTree
 
 from armside.scripts.cli import main
 from armside.scripts.cutting import part_program
+from armside.sim.controller import gate
 from armside.sim.controller.programs import read_program_file, rows_of
 
 HOLE = """<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="40mm" viewBox="0 0 40 40">
@@ -69,7 +71,7 @@ def test_targets_that_move_too_far_are_held_back_with_a_note(place, monkeypatch,
     assert (tmp_path / "held/armside.mod").read_bytes() == before.read_bytes()
 
 
-def test_a_program_is_gone_on_from_and_samples_of_motors_are_not(place, tmp_path, capsys):
+def test_a_program_is_gone_on_from_and_samples_of_motors_are_not(place, samples, tmp_path, capsys):
     """Run k = 2 of one loop and of two are the same."""
     start, out = str(place / "run"), str(tmp_path / "more")
     learn = ["--iterations", "1", "--json", "--quiet"]
@@ -78,14 +80,61 @@ def test_a_program_is_gone_on_from_and_samples_of_motors_are_not(place, tmp_path
     assert [row["k"] for row in rows] == [0, 2]
     stored = json.loads((place / "run/summary.json").read_text(encoding="utf-8"))
     assert rows[0]["arm_rms"] == stored["iterations"][0]["arm_rms"]
-    samples = ["cut", str(place / "hole.svg"), "--speed", "100", "--iterations", "0", "--quiet"]
-    assert main([*samples, "--out", str(tmp_path / "samples")]) == 0
-    words = ["cut", "--from", str(tmp_path / "samples"), "--as-program", "krl"]
+    words = ["cut", "--from", samples, "--as-program", "krl"]
     words += ["--out", str(tmp_path / "other")]
     assert main(words) == 2
     assert "start from a run with --as-program" in capsys.readouterr().err
     assert main(["export", start, "--to", "csv", "--file", str(tmp_path / "u.csv")]) == 2
     assert "in the targets of its program" in capsys.readouterr().err
+
+
+@pytest.fixture(scope="module")
+def samples(place):
+    """The same part, learned once by samples of the motors."""
+    cut = ["cut", str(place / "hole.svg"), "--speed", "100", "--iterations", "1", "--quiet"]
+    assert main([*cut, "--measure", "tracker", "--out", str(place / "samples")]) == 0
+    return str(place / "samples")
+
+
+def test_a_correction_beyond_the_gate_enters_no_program(samples, place, monkeypatch, capsys):
+    """Gate of a tenth of a milliradian, in place of 5 degrees."""
+    monkeypatch.setitem(gate.LIMITS, "size", (1e-4, 1e-4))
+    file = place / "gated.mod"
+    words = ["export", samples, "--into", str(place / "plan/armside.mod"), "--file", str(file)]
+    assert main(words) == 2
+    error = capsys.readouterr().err
+    assert "size: the correction of axis" in error
+    assert error.count("\n") == 1
+    assert not file.exists()
+    assert main([*words, "--beyond", "size", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["notes"][0].startswith("beyond size: ")
+    assert file.exists()
+
+
+ENDED = {
+    "diverged": {"status": "diverged"},
+    "saturated": {"status": "saturated"},
+    "worse": {"status": "worse"},
+    "beam": {"notes": [{"cause": "beam", "text": "the beam was lost", "runs": [1]}]},
+}
+
+
+@pytest.mark.parametrize("name", ENDED)
+def test_targets_of_a_run_that_ended_badly_are_held_back(name, place, tmp_path, capsys):
+    """By the name of its end, which a stored summary is given."""
+    run = tmp_path / "run"
+    shutil.copytree(place / "run", run)
+    summary = json.loads((run / "summary.json").read_text(encoding="utf-8")) | ENDED[name]
+    (run / "summary.json").write_text(json.dumps(summary), encoding="utf-8")
+    file = tmp_path / "a.mod"
+    words = ["export", str(run), "--into", str(place / "plan/armside.mod"), "--file", str(file)]
+    assert main(words) == 2
+    error = capsys.readouterr().err
+    assert f"beyond {name} lets it through" in error
+    assert error.count("\n") == 1
+    assert not file.exists()
+    assert main([*words, "--beyond", name, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["notes"][0].startswith(f"beyond {name}: ")
 
 
 def test_the_persons_program_is_never_written_over(place, capsys):

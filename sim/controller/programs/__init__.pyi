@@ -2,6 +2,7 @@ from .correction import Corrected as Corrected
 from .correction import corrected as corrected
 from .correction import corrected_by as corrected_by
 from .correction import displaced as displaced
+from .first_run import first_run as first_run
 from .new_program import automatic_spacing as automatic_spacing
 from .new_program import new_program as new_program
 from .program_text import Language as Language

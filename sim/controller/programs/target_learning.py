@@ -11,7 +11,7 @@ e_m is the error of a model of the arm with its friction and lost motion, run af
 it a sensitivity holds for steps of micrometres alone. D are second differences along the path.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -136,14 +136,22 @@ class Model:
 
     def errors(self, offsets: list[Array], robot: RobotModel | None = None) -> list[Array]:
         """Of several programs, on all cores."""
+        runs = self.runs([(each, robot or self.robot) for each in offsets])
+        return [self._error(*each) for each in runs]
+
+    def runs(
+        self, programs: Sequence[tuple[Array, RobotModel]]
+    ) -> list[tuple[Recording, ProgramRun]]:
+        """Of offsets (M, 3) [m], each on its robot."""
         program = self.program
-        runs = [program.run(program.rows(each)) for each in offsets]
-        arm = VirtualRobot(robot or self.robot, nominal=program.controller)
+        runs = [program.run(program.rows(offsets)) for offsets, _ in programs]
         longest = max(len(run.reference) for run in runs)
-        loaded = [arm.load(_held(run.reference, longest)) for run in runs]
+        arms = [VirtualRobot(robot, nominal=program.controller) for _, robot in programs]
+        each = zip(arms, runs, strict=True)
+        loaded = [arm.load(_held(run.reference, longest)) for arm, run in each]
         nothing = [None] * len(runs)
         found = run_batch(loaded, nothing, nothing, threads=min(cores(), len(runs)))
-        return [self._error(*each) for each in zip(found, runs, strict=True)]
+        return list(zip(found, runs, strict=True))
 
     def _error(self, recording: Recording, run: ProgramRun) -> Array:
         start = self.program.experiment.programmed[0]

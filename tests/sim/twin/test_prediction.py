@@ -10,8 +10,8 @@ from armside.sim.twin.parameters import Block, Parameters
 from armside.sim.twin.prediction import (
     Evidence,
     FirstCutPrediction,
-    _objection,
     is_identified,
+    objection,
     predicted,
 )
 
@@ -90,20 +90,20 @@ def test_only_the_residual_of_a_tracker_loosens_the_springs_around_a_twin(twin):
 def test_a_correction_that_may_leave_more_than_three_tenths_is_not_used():
     error = {"uncorrected": 1e-4, "inside": 1e-6, "expected": 2e-5, "low": 1e-5}
     good = FirstCutPrediction(**error, high=2.99e-5, calibrated=True)
-    assert _objection(good) is None
-    assert "up to 30 % of the error would be left" in str(_objection(replace(good, high=3.01e-5)))
+    assert objection(good) is None
+    assert "up to 30 % of the error would be left" in str(objection(replace(good, high=3.01e-5)))
 
 
 @pytest.mark.parametrize("end", [np.nan, np.inf])
 def test_a_correction_by_which_a_twin_becomes_unstable_is_not_used(end):
     error = {"uncorrected": 1e-4, "inside": 1e-6, "expected": end, "low": end, "high": end}
     bad = FirstCutPrediction(**error, calibrated=True)
-    assert "unstable" in str(_objection(bad))
+    assert "unstable" in str(objection(bad))
 
 
 def test_one_unstable_individual_around_a_twin_is_enough():
     found = predicted(1e-4, INSIDE, np.array([5e-6, np.inf]), of())
-    assert "unstable" in str(_objection(found))
+    assert "unstable" in str(objection(found))
 
 
 def test_an_interval_is_that_of_the_variances_by_hand():
