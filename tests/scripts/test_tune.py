@@ -148,8 +148,13 @@ def noted(tried, design):
 def test_learning_from_the_tracker_is_tuned_without_a_shift_and_beats_the_motors(armside, tmp_path):
     best = {}
     for measure in ("motor", "tracker"):
-        line = f"tune {QUICK} --measure {measure} --trials 2 --quiet --out {measure}"
-        assert armside(line).status == 0
+        status, out, _ = armside(f"tune {QUICK} --measure {measure} --trials 2 --out {measure}")
+        assert status == 0
+        words = " ".join(out.split())
+        of_motors = measure == "motor"
+        assert ("delta" in words) is of_motors
+        assert ("after learning from the tracker over" in words) is not of_motors
+        assert f"'large-{'shared' if of_motors else 'from-tracker'}-tracker-" in words
         best[measure] = json.loads((tmp_path / measure / "summary.json").read_text())["best"]
     tracker = best["tracker"]
     assert (tracker["delta"], tracker["criterion"]) == (0, abs(1.0 - tracker["gamma"]))
