@@ -131,5 +131,5 @@ class TuneCfg:
         if self.study:
             return self
         key = digest_of(self.identity(seed))[:8]
-        robot = Path(self.robot).stem
-        return replace(self, study=f"{robot}-{self.motors}-{self.reward}-{key}")
+        what = self.motors if self.measure == "motor" else f"from-{self.measure}"
+        return replace(self, study=f"{Path(self.robot).stem}-{what}-{self.reward}-{key}")

@@ -102,7 +102,8 @@ def new_best(report: Report, trial: "optuna.trial.FrozenTrial", sensor: RewardSe
     """Print a best design, in lines that a terminal of 60 columns holds; not those of every motor,
     which are printed at the end."""
     report.line(f"best so far, trial {trial.number}: ratio {trial.value:.3f} {sensor.label}")
-    known = [(v, trial.params[v.name]) for v in VARIABLES if v.name in trial.params]
+    searched = [n for n, values in trial.distributions.items() if not values.single()]
+    known = [(v, trial.params[v.name]) for v in VARIABLES if v.name in searched]
     values = [f"{v.name} {value:.3g} {v.unit}".rstrip() for v, value in known]
     report.line(", ".join([f"true {trial.user_attrs[TRUE]:.3f}", *values]))
 
@@ -111,10 +112,13 @@ def tables(report: Report, outcome: dict[str, Any], path: Path) -> None:
     """Print the designs and importances in the summary of a search; path: folder of its results."""
     config, bests = outcome["config"], outcome["bests"]
     shared = all(v.name in outcome["best"] for v in VARIABLES)
+    of_motors = config["measure"] == "motor"
+    variables = [v for v in VARIABLES if of_motors or v.name != "delta"]
     # The unit on a line of its own: so the widest table fits in 60 columns.
-    heads = [f"{v.name}\n[{v.unit}]" if v.unit else v.name for v in VARIABLES]
-    title = "RMS of the tool after learning over that before"
-    names = [v.name for v in VARIABLES] if shared else []
+    heads = [f"{v.name}\n[{v.unit}]" if v.unit else v.name for v in variables]
+    source = "" if of_motors else f" from the {config['measure']}"
+    title = f"RMS of the tool after learning{source} over that before"
+    names = [v.name for v in variables] if shared else []
     report.table(
         f"{title}, {RewardSensor(config['reward']).label}",
         ["trial", "measured", "true", "criterion", *heads[: len(names)]],
@@ -129,7 +133,8 @@ def tables(report: Report, outcome: dict[str, Any], path: Path) -> None:
             list(zip(range(1, n_axes + 1), *columns, strict=True)),
         )
     if found := outcome["importance"]:
-        rows = [[name, i["share"], i["by_chance"]] for name, i in found.items()]
+        absent = () if of_motors else ("delta",)
+        rows = [[n, i["share"], i["by_chance"]] for n, i in found.items() if n not in absent]
         columns = ["parameter", "fraction", "most by chance"]
         report.table("Importance of each parameter (PED-ANOVA)", columns, rows)
     if (found := outcome.get("gain")) is not None:

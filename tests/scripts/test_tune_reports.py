@@ -44,7 +44,7 @@ def test_every_number_can_be_read_in_a_narrow_terminal(monkeypatch, capsys, moto
     values = {name: float(rng.uniform(0.1, 30.0)) for name in values}
     best = {"trial": 1234, "ratio": 0.54321, "ratio_true": 0.65432, "criterion": 0.87654} | values
     outcome = {
-        "config": {"reward": "estimate", "study": "a", "storage": "b"},
+        "config": {"reward": "estimate", "measure": "motor", "study": "a", "storage": "b"},
         "trials": {"complete": 55},
         "bests": [best],
         "best": best,
