@@ -111,7 +111,7 @@ def package_page(package: str) -> str:
     rows = declared(package)
     short = {name: name.removeprefix(package + ".") for name in rows}
     table = [
-        f"| [{short[name]}](modules/{name}.rst) | {first_line(name)} "
+        f"| [{short[name]}](modules/{name}.rst) | {summary_of(name)} "
         f"| {', '.join(f'{{py:obj}}`~{name}.{one}`' for one in names)} |\n"
         for name, names in rows.items()
     ]
@@ -120,9 +120,10 @@ def package_page(package: str) -> str:
     return f"{text}\n{head}{''.join(table)}\n```{{toctree}}\n:hidden:\n\n{tree}```\n"
 
 
-def first_line(module: str) -> str:
-    """Of a module's docstring, for a cell of a table."""
-    return (import_module(module).__doc__ or "").split("\n")[0].replace("|", "\\|")
+def summary_of(module: str) -> str:
+    """First paragraph of a module's docstring, for a cell of a table."""
+    paragraph = (import_module(module).__doc__ or "").split("\n\n")[0]
+    return " ".join(paragraph.split()).replace("|", "\\|")
 
 
 def commands_page() -> str:
