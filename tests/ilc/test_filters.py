@@ -48,6 +48,7 @@ INTERNAL = {
     "QuadraticProblem", "Factored", "LiftedFactor", "Realisation",
     "solve_factored", "solve_matrix_free", "conjugate_step", "require_adjoint", "require_moderate",
     "excess", "pairwise_independence",
+    "by_frequency", "measured", "rms_and_peak",  # of a bench, which makes its records itself
 }  # fmt: skip
 """Behind a law, a model or a fit, whose records have passed its gate."""
 
