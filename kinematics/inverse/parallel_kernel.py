@@ -16,6 +16,7 @@ from numba import njit
 
 TOUCHING = 2e-11  # [m], distance outside the reach that counts as rounding
 ALIGNED = 2e-11  # sine, or [m], below which a free angle takes its reference value
+ROUNDED = 1e-14  # turn of axis 6 [rad] that counts as rounding
 STRETCHED = 1e-7  # sine of the elbow, or [m] from the shoulder's singularity; rounding of
 # 1e-16 m at the edge of the reach, or of the offset, makes it 1e-8
 
@@ -95,26 +96,32 @@ def _shoulder(W, th1, X, Y, g, reference, theta, flags, flag):
     sine = hypot(zx, zy)
     th5 = atan2(sine, -s * side * zz)
     aligned = sine < ALIGNED
+    least, most = abs(g[4] - g[5]), g[4] + g[5]
     if aligned:  # only a combination of Phi and theta6 is determined: theta6 keeps its reference
         flag |= WRIST
         c6, s6 = cos(reference[5]), sin(reference[5])
         Phi = atan2(s * side * (s6 * xx + c6 * yx), -s * side * (s6 * xy + c6 * yy))
-        least, most = abs(g[4] - g[5]), g[4] + g[5]
         v = Phi + beta
         if _outside(X - r * cos(v), Y - r * sin(v), least, most) > 0.0:
             Phi = _nearest_in_reach(X, Y, r, v, least, most) - beta
     else:
         Phi = atan2(s * zy, s * zx)
-    cp, sp = cos(Phi), sin(Phi)
-    # theta6 from the rest of the rotation, so that a rounding of Phi is compensated
-    th6 = atan2(s * side * (sp * xx - cp * xy), s * side * (sp * yx - cp * yy))
     outside = 1e300
     for flipped in range(2):
         turn = pi if flipped == 1 and not aligned else 0.0
-        v = Phi + turn + beta
+        v, rounding = Phi + turn + beta, 0.0
+        if not aligned and _outside(X - r * cos(v), Y - r * sin(v), least, most) > 0.0:
+            # A rounding of axis 6 turns Phi by 1 / sine as much, which may be out of the reach.
+            rounding = _nearest_in_reach(X, Y, r, v, least, most) - v
+            if abs(rounding) * sine > ROUNDED:
+                rounding = 0.0
+        v += rounding
+        cp, sp = cos(Phi + rounding), sin(Phi + rounding)
+        # theta6 from the rest of the rotation, so that a rounding of Phi is compensated
+        th6 = atan2(s * side * (sp * xx - cp * xy), s * side * (sp * yx - cp * yy))
         x, y = X - r * cos(v), Y - r * sin(v)
         rows = theta[flipped:]
-        gap = _elbows(x, y, Phi + turn, g, reference, rows, flags[flipped:], flag)
+        gap = _elbows(x, y, Phi + rounding + turn, g, reference, rows, flags[flipped:], flag)
         outside = min(outside, gap)
         for elbow in range(2):
             row = rows[2 * elbow]

@@ -128,6 +128,18 @@ def test_branches_hold_near_singularities(small, joint):
     assert deviation(UR5E, T, found) < RESIDUAL
 
 
+@pytest.mark.parametrize("wrist", [1e-12, 3e-11, 1e-10, 1e-9, 6e-8, 1e-6, 1e-4])
+@pytest.mark.parametrize("elbow", [0.0, 1e-9, 1e-7])
+def test_a_stretched_arm_with_a_nearly_aligned_wrist_is_in_reach(elbow, wrist):
+    """A rounding of 1e-16 divided by the sine of the wrist turns axis 4 out of the reach."""
+    phi = np.random.default_rng(7).uniform(-3, 3, (50, 6))
+    phi[:, 2], phi[:, 4] = elbow, wrist
+    T = poses(UR10, phi)
+    found = inverse_branches(UR10, T, reference=phi[0])
+    assert found.exists.any(axis=-1).all()
+    assert deviation(UR10, T, found) < RESIDUAL
+
+
 @pytest.mark.parametrize("robot", [UR10, UR5E, UR3E], ids=lambda robot: robot.name)
 def test_a_generic_pose_has_eight_different_branches(robot):
     found = inverse_branches(robot, poses(robot, GENERIC))
