@@ -200,8 +200,11 @@ def _print(report: Report, shown: list[Section]) -> None:
         report.line(f"{count(shown)}.")
     for table in [table for section in shown if not section.checks for table in section.tables]:
         report.table(table.title, table.columns, table.rows)
-    checks = [{"id": section.id, "checks": as_rows(section.checks)} for section in shown]
-    found = {"config": asdict(report.common), "status": "done", "sections": checks}
+    sections = [
+        {"id": s.id, "checks": as_rows(s.checks), "tables": [asdict(t) for t in s.tables]}
+        for s in shown
+    ]
+    found = {"config": asdict(report.common), "status": "done", "sections": sections}
     papers = [
         {"id": c.id, "paper": c.thesis, "band": c.band, "value": c.ours, "holds": c.holds}
         for section in shown
