@@ -18,7 +18,8 @@ from armside.kinematics import Joint
 from armside.kinematics.rotation import to_quaternion
 
 from ..cell import Cell
-from .messages import Answer, Phase, State, Wire
+from ..records.tables import table_of
+from .messages import Answer, Wire
 from .plant import PERIOD
 from .rsi import RsiWire
 from .stored_correction import StoredCorrection
@@ -99,9 +100,7 @@ def table(found: Columns, rate: float, about: Mapping[str, Any]) -> pa.Table:
     """Columns with `time` [s] before them, and JSON texts of what they are as metadata."""
     count = len(next(iter(found.values()))[1])
     timed = {"time": ("s", np.arange(count) / rate), **found}
-    fields = [pa.field(name, pa.float64(), metadata={"unit": u}) for name, (u, _) in timed.items()]
-    schema = pa.schema(fields, metadata={f"armside.{key}": text for key, text in about.items()})
-    return pa.Table.from_arrays([pa.array(v) for _, v in timed.values()], schema=schema)
+    return table_of(timed, {f"armside.{key}": text for key, text in about.items()})
 
 
 def _continuous(quaternion: Array) -> Array:
@@ -120,9 +119,7 @@ def rsi_lines(correction: Array, beyond: Sequence[str] = ()) -> bytes:
     before the first message.
     """
     comments = "".join(f"<!-- {line} -->\n" for line in beyond)
-    return comments.encode() + b"".join(
-        line + b"\n" for line in _answers(RsiWire(), correction, additive=True)
-    )
+    return comments.encode() + b"".join(line + b"\n" for line in _answers(RsiWire(), correction))
 
 
 def egm_messages(joints: Array) -> bytes:
@@ -135,31 +132,16 @@ def egm_messages(joints: Array) -> bytes:
     """
     from .egm import EgmWire
 
-    found = _answers(EgmWire(), joints, additive=False)
-    return b"".join(varint(len(message)) + message for message in found)
+    return b"".join(varint(len(each)) + each for each in _answers(EgmWire(), joints))
 
 
-def _answers(wire: Wire, values: Array, *, additive: bool) -> Iterator[bytes]:
+def _answers(wire: Wire, values: Array) -> Iterator[bytes]:
     for i, row in enumerate(np.rad2deg(values)):
-        yield wire.encode_answer(Answer(values=row, additive=additive), _asked(i, row))
+        answer = Answer(values=row, additive=wire.additive)
+        yield wire.encode_answer(answer, round(1e3 * i * PERIOD))
 
 
 def varint(value: int) -> bytes:
     """A whole number >= 0, seven bits a byte, the lowest first."""
     low, rest = value & 0x7F, value >> 7
     return bytes([low | 0x80]) + varint(rest) if rest else bytes([low])
-
-
-def _asked(i: int, values: Array) -> State:
-    """The message of cycle i, of which answers repeat the time."""
-    return State(
-        number=i,
-        time=round(1e3 * i * PERIOD),
-        phase=Phase.GUIDED,
-        joints=values,
-        planned=values,
-        position=np.zeros(3),
-        quaternion=np.array([1.0, 0.0, 0.0, 0.0]),
-        missed=0,
-        resting=False,
-    )

@@ -25,7 +25,7 @@ from armside.kinematics.calibration import Measurements
 from armside.kinematics.rotation import from_quaternion
 
 from ..records.files import reading
-from ..records.tables import READERS, float_columns, read_table, write_table
+from ..records.tables import READERS, float_columns, read_table, table_of, write_table
 from .recorded_motion import MotionRecording, PoseRecording, Stream, repaired
 
 QUATERNION = ("tool_qw", "tool_qx", "tool_qy", "tool_qz")
@@ -33,7 +33,7 @@ COLUMNS = {
     "imu": tuple(f"{n}_{a}" for n in ("acceleration", "angular_velocity") for a in "xyz"),
     "tracker": tuple(f"target_{a}" for a in "xyz"),
 }
-UNITS = {"time": "s", "motor_angle": "rad", "acceleration": "m/s²", "angular_velocity": "rad/s"}
+UNITS = {"motor_angle": "rad", "acceleration": "m/s²", "angular_velocity": "rad/s"}
 """Of columns by the start of their names; else metres."""
 
 
@@ -85,17 +85,12 @@ def write_motion_tables(folder: Path, recording: MotionRecording, kind: str) -> 
     n = recording.encoders.values.shape[1]
     motors = tuple(f"motor_angle_{i}" for i in range(1, n + 1))
     for name, columns in {**COLUMNS, "encoders": motors}.items():
-        stream = getattr(recording, name)
+        stream: Stream | None = getattr(recording, name)
         if stream is not None:
-            write_table(folder / f"{name}.{kind}", _of_stream(stream, columns))
-
-
-def _of_stream(stream: Stream, columns: tuple[str, ...]) -> pa.Table:
-    names = ("time", *columns)
-    unit = {name: next((u for k, u in UNITS.items() if name.startswith(k)), "m") for name in names}
-    fields = [pa.field(name, pa.float64(), metadata={"unit": unit[name]}) for name in names]
-    arrays = [pa.array(column) for column in (stream.time, *stream.values.T)]
-    return pa.Table.from_arrays(arrays, schema=pa.schema(fields))
+            units = [next((u for k, u in UNITS.items() if c.startswith(k)), "m") for c in columns]
+            values = dict(zip(columns, zip(units, stream.values.T, strict=True), strict=True))
+            table = table_of({"time": ("s", stream.time), **values})
+            write_table(folder / f"{name}.{kind}", table)
 
 
 def _file(folder: Path, name: str) -> Path | None:

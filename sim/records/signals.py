@@ -29,7 +29,7 @@ from ..robot.drives import EXACT
 from ..robot.recording import Recording, Truth
 from .atomic import atomic
 from .programmed_path import from_json, to_json
-from .tables import floats
+from .tables import floats, table_of
 
 XYZ = tuple("xyz")
 LOG = dict.fromkeys(("reference", "correction", "motor_angle"), "rad") | {"motor_torque": "N m"}
@@ -199,13 +199,11 @@ def _table(run: RecordedRun, truth_rate: float) -> pa.Table:
     time = np.unique(np.concatenate([recording.time, truth.time, tracker.time]))
     if len(time) > 1 and np.diff(time).min() < SHORTEST_INTERVAL:
         raise ValueError("sample times of log, truth and tracker must come from one grid of time")
-    columns = [("k", "1", pa.array(np.full(len(time), run.k, dtype=np.int32)))]
-    columns.append(("time", "s", pa.array(time)))
+    columns = {"k": ("1", np.full(len(time), run.k, dtype=np.int32)), "time": ("s", time)}
     for prefix, unit, suffixes, own_time, values in blocks:
         for suffix, column in zip(suffixes, _spread(time, own_time, values), strict=True):
-            columns.append((f"{prefix}_{suffix}", unit, column))
-    fields = [pa.field(name, of.type, metadata={"unit": unit}) for name, unit, of in columns]
-    return pa.Table.from_arrays([of for _, _, of in columns], schema=pa.schema(fields))
+            columns[f"{prefix}_{suffix}"] = (unit, column)
+    return table_of(columns)
 
 
 def _spread(time: Array, own_time: Array, values: NDArray[Any]) -> list[pa.Array]:

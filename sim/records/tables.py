@@ -88,12 +88,20 @@ def _metadata(table: pa.Table) -> dict[str, str]:
     return own | {"units": json.dumps(units(table))}
 
 
-def _table(columns: Mapping[str, pa.Array], metadata: Mapping[str, str]) -> pa.Table:
-    unit = json.loads(metadata.get("units", "{}"))
-    of = {name: {"unit": unit[name]} if name in unit else None for name in columns}
-    fields = [pa.field(name, array.type, metadata=of[name]) for name, array in columns.items()]
-    own = {key: text for key, text in metadata.items() if key != "units"}
-    return pa.Table.from_arrays(list(columns.values()), schema=pa.schema(fields, metadata=own))
+def table_of(
+    columns: Mapping[str, tuple[str | None, Any]], metadata: Mapping[str, str] | None = None
+) -> pa.Table:
+    """Table of columns by name, each a unit (or None) and an array, with metadata."""
+    bare = pa.table({name: values for name, (_, values) in columns.items()})
+    units = [None if unit is None else {"unit": unit} for unit, _ in columns.values()]
+    fields = [field.with_metadata(unit) for field, unit in zip(bare.schema, units, strict=True)]
+    schema = pa.schema(fields, metadata=dict(metadata or {}))
+    return pa.Table.from_arrays(bare.columns, schema=schema)
+
+
+def _table(columns: Mapping[str, pa.Array], metadata: dict[str, str]) -> pa.Table:
+    unit = json.loads(metadata.pop("units", "{}"))
+    return table_of({name: (unit.get(name), array) for name, array in columns.items()}, metadata)
 
 
 def _read_parquet(file: Path) -> pa.Table:
@@ -153,7 +161,7 @@ def _as_floats(table: pa.Table) -> dict[str, Array]:
     return {name: floats(table, name) for name in table.column_names}
 
 
-def _from_floats(content: Mapping[str, Any], metadata: Mapping[str, str], file: Path) -> pa.Table:
+def _from_floats(content: Mapping[str, Any], metadata: dict[str, str], file: Path) -> pa.Table:
     """Table of columns with NaN for missing values; a sample of a lost beam stays NaN.
 
     Raises ValueError for columns of different lengths.

@@ -75,7 +75,7 @@ class Corrected:
 class _Placed:
     """Paths of all rows as one, in base axes of TCP0."""
 
-    rows: tuple[Row, ...]
+    rows: list[Row]
     row: NDArray[np.int64]
     """(P,), that each place belongs to."""
     w: Array
@@ -116,12 +116,11 @@ def corrected(program: ProgramText, spans: Sequence[tuple[Array, Array]], R: Arr
         raise InputError(f"a target would move by {1e3 * largest:.3g} mm, {most}")
     each = zip(points, offset, turns, strict=True)
     moves = {point: by @ R_base_work for point, by, R_base_work in each}
-    changed = [p for p, by in moves.items() if program.edits(p, by)]
     return Corrected(
         texts=program.edited(moves),
         largest_offset=largest,
         targets=len(known),
-        changed=len(changed),
+        changed=sum(program.edits(point, by) for point, by in moves.items()),
         covered=float(used.mean()),
         residual=float(np.sqrt(np.mean(np.sum((error - N @ offset) ** 2, axis=1)))),
     )
@@ -133,8 +132,8 @@ def _by_arc_length(programmed: Array, goal: Array) -> tuple[Array, Array]:
     kept = np.concatenate([[True], moved > 1e-9])
     s = np.concatenate([[0.0], np.cumsum(moved[moved > 1e-9])])
     grid = np.linspace(0.0, s[-1], int(s[-1] / STEP) + 2)
-    at = [np.stack([np.interp(grid, s, x) for x in p[kept].T], axis=1) for p in (programmed, goal)]
-    return at[0], at[1]
+    columns = [np.interp(grid, s, x) for x in np.hstack([programmed, goal])[kept].T]
+    return np.column_stack(columns[:3]), np.column_stack(columns[3:])
 
 
 def _poses(place: Place) -> tuple[Array, Array]:
@@ -154,18 +153,18 @@ def _in_base(place: Place, points: Array, R: Array) -> Array:
 
 
 def _placed_rows(program: ProgramText, R: Array) -> _Placed:
-    rows = tuple(rows_of(program))
+    rows, name = rows_of(program), program.program.source
+    if not rows:
+        raise InputError(f"{name} has no two linear moves in a row")
     if (length := sum(float(row.spacing.sum()) for row in rows)) > LONGEST:
         most = f"at most {LONGEST:g} m are followed"
-        raise InputError(f"{program.program.source} has {length:.4g} m of linear moves, {most}")
+        raise InputError(f"{name} has {length:.4g} m of linear moves, {most}")
     w = [row.samples() for row in rows]
-    first = [program.places[row.moves[1]] for row in rows]
-    each = zip(first, rows, w, strict=True)
-    paths = [_in_base(place, row.path(at), R) for place, row, at in each]
-    if not paths:
-        raise InputError(f"{program.program.source} has no two linear moves in a row")
+    each = zip(rows, w, strict=True)
+    path = np.concatenate(
+        [_in_base(program.places[row.moves[1]], row.path(at), R) for row, at in each]
+    )
     index = np.repeat(np.arange(len(rows)), [len(at) for at in w])
-    path = np.concatenate(paths)
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1) + APART * np.diff(index)
     s = np.concatenate([[0.0], np.cumsum(steps)])
     return _Placed(rows, index, np.concatenate(w), path, s)
@@ -241,8 +240,8 @@ def _check(place: Place, aim: Aim, first: Aim, R: Array) -> None:
     turned = base[:3, :3] @ aim.pose[:3, :3] @ tool[:3, :3].T
     angle = float(np.linalg.norm(turned - R)) / np.sqrt(2.0)  # of small ones
     if angle > LARGEST_TURN:
-        reason = f"the orientation is {np.degrees(angle):.3g} deg from that of the run"
-        place.text.fail(place.at, reason)
+        text = f"the orientation is {np.degrees(angle):.3g} deg from that of the run"
+        place.text.fail(place.at, text)
     if aim.external != first.external:
         place.text.fail(place.at, "external axes move along the path of the run")
 
@@ -279,10 +278,9 @@ def displaced(
     program: ProgramText, motion: ToolMotion | PartMotion, displacement: Array
 ) -> Corrected:
     """The program on a motion's path that is displaced by (N, 3) [m]. Raises as `corrected`."""
-    ends = [(motion.time[0], motion.time[-1])]
-    if isinstance(motion, PartMotion):
-        ends = [(cut.start, cut.end) for cut in motion.cuts]
     programmed, time = motion.position, motion.time
-    masks = [(time >= first) & (time <= last) for first, last in ends]
+    masks = [np.ones(len(time), dtype=bool)]
+    if isinstance(motion, PartMotion):
+        masks = [(time >= cut.start) & (time <= cut.end) for cut in motion.cuts]
     spans = [(programmed[m], (programmed + displacement)[m]) for m in masks]
     return corrected(program, spans, from_quaternion(motion.quaternion[0]))

@@ -96,13 +96,17 @@ class Row:
     def samples(self, step: float = STEP) -> Array:
         """w at even fractions of each piece, at most `step` [m] apart along the polygon."""
         f, spacing = self.fractions, self.spacing
-        lines = spacing * (1.0 - f[:-1, 1] - f[1:, 0])
-        parabolas = f[1:-1, 0] * spacing[:-1] + f[1:-1, 1] * spacing[1:]
         length = np.empty(self.n_pieces)
-        length[::2], length[1::2] = lines, parabolas
+        length[::2] = spacing * (1.0 - f[:-1, 1] - f[1:, 0])
+        length[1::2] = f[1:-1, 0] * spacing[:-1] + f[1:-1, 1] * spacing[1:]
         parts = np.ceil(length / step).astype(int)
         grids = [k + np.arange(n) / n for k, n in enumerate(parts) if n]
         return np.concatenate([*grids, [float(self.n_pieces)]])
+
+
+def arc_lengths(path: Array) -> Array:
+    """(K,) [m], along the chords of a path (K, 3) [m]."""
+    return np.concatenate([[0.0], np.linalg.norm(np.diff(path, axis=0), axis=1).cumsum()])
 
 
 def rows_of(program: ProgramText) -> list[Row]:
@@ -119,13 +123,14 @@ def rows_of(program: ProgramText) -> list[Row]:
             found += [current] if len(current) == 2 else []
         else:
             current = [i]
+    rows = [(tuple(row), [program.program.move(i) for i in row]) for row in found]
     return [
         Row(
-            moves=tuple(row),
-            targets=np.array([program.program.move(i).to.position for i in row]),
-            zones=np.array([program.program.move(i).zone for i in row]),
+            moves=row,
+            targets=np.array([move.to.position for move in own]),
+            zones=np.array([move.zone for move in own]),
         )
-        for row in found
+        for row, own in rows
     ]
 
 

@@ -18,6 +18,7 @@ from armside.arrays import Array, check_recorded_time
 from armside.kinematics.robot_file import toml_of
 
 from ...records.files import LARGEST_DATA, InputError, check_file, reading
+from ...records.tables import table_of
 from .columns import Diadem, TextTable, read_diadem, read_text
 
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
@@ -176,7 +177,11 @@ def read_log(file: Path, columns: Path | None = None) -> ControllerLog:
     notes = [f"{file.name}: {form.name}, {len(motors)} axes"]
     if lost := int((~whole).sum()):
         notes.append(f"{file.name}: {lost} rows without a number are left out")
-    return ControllerLog(_table(time[whole], angles[whole], len(motors)), form.name, tuple(notes))
+    names = [f"motor_angle_{i}" for i in range(1, len(motors) + 1)]
+    names += [f"reference_{i}" for i in range(1, len(references) + 1)]
+    found = {name: ("rad", own) for name, own in zip(names, angles[whole].T, strict=True)}
+    table = table_of({"time": ("s", time[whole]), **found})
+    return ControllerLog(table, form.name, tuple(notes))
 
 
 def _known(source: TextTable | Diadem) -> LogForm:
@@ -234,11 +239,3 @@ def _check(file: Path, time: Array, angles: Array, whole: NDArray[np.bool_]) -> 
         raise InputError(f"{file.name}: {text}: are the units as stated?")
     with reading(file):
         check_recorded_time(file.name, time[whole], np.flatnonzero(whole), gap=np.inf, repeats=True)
-
-
-def _table(time: Array, angles: Array, n: int) -> pa.Table:
-    names = [f"motor_angle_{i}" for i in range(1, n + 1)]
-    names += [f"reference_{i}" for i in range(1, angles.shape[1] - n + 1)]
-    fields = [pa.field("time", pa.float64(), metadata={"unit": "s"})]
-    fields += [pa.field(name, pa.float64(), metadata={"unit": "rad"}) for name in names]
-    return pa.Table.from_arrays([pa.array(c) for c in (time, *angles.T)], schema=pa.schema(fields))

@@ -127,7 +127,7 @@ def fuzzed(wire, state, rng, k):
     if k % 4 == 0:
         return rng.bytes(size)
     answer = Answer(values=np.tile(values, rng.choice([0, 1, 1, 4])), additive=wire.additive)
-    datagram = bytearray(wire.encode_answer(answer, state))
+    datagram = bytearray(wire.encode_answer(answer, state.time))
     if k % 4 == 1 and datagram:
         del datagram[int(rng.integers(len(datagram))) :]
     if k % 4 == 2 and datagram:

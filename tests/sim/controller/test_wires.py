@@ -61,10 +61,10 @@ def test_the_clock_of_egm_is_in_seconds_and_microseconds(time):
 @pytest.mark.parametrize(("wire", "additive"), [(EgmWire, False), (RsiWire, True)])
 def test_an_answer_arrives_bit_for_bit(wire, additive):
     to, values = state(), RNG.uniform(-5, 5, 6)
-    datagram = wire().encode_answer(Answer(values=values, additive=additive), to)
+    datagram = wire().encode_answer(Answer(values=values, additive=additive), to.time)
     got = wire().decode_answer(datagram, to)
     np.testing.assert_array_equal(got.values, values)
-    end = wire().encode_answer(Answer(values=None, additive=additive), to)
+    end = wire().encode_answer(Answer(values=None, additive=additive), to.time)
     assert wire().decode_answer(end, to).values is None
 
 
@@ -72,7 +72,7 @@ def test_an_answer_arrives_bit_for_bit(wire, additive):
 def test_an_answer_to_an_earlier_message_is_late(wire, additive):
     client, controller = wire(), wire()
     answers = [
-        client.encode_answer(Answer(values=np.ones(6), additive=additive), state(time=time))
+        client.encode_answer(Answer(values=np.ones(6), additive=additive), time)
         for time in (4, 8)
     ]
     assert controller.decode_answer(answers[0], state(time=4)) is not None
@@ -127,7 +127,7 @@ def test_relative_corrections_add_up():
     client, controller, to = RsiWire(relative=True), RsiWire(relative=True), state()
     wanted = [np.full(6, value) for value in (0.5, 0.75, 0.25)]
     for values in wanted:
-        datagram = client.encode_answer(Answer(values=values, additive=True), to)
+        datagram = client.encode_answer(Answer(values=values, additive=True), to.time)
         answer = controller.decode_answer(datagram, to)
         assert answer is not None
         np.testing.assert_array_equal(answer.values, values)
