@@ -72,8 +72,7 @@ def test_an_answer_arrives_bit_for_bit(wire, additive):
 def test_an_answer_to_an_earlier_message_is_late(wire, additive):
     client, controller = wire(), wire()
     answers = [
-        client.encode_answer(Answer(values=np.ones(6), additive=additive), time)
-        for time in (4, 8)
+        client.encode_answer(Answer(values=np.ones(6), additive=additive), time) for time in (4, 8)
     ]
     assert controller.decode_answer(answers[0], state(time=4)) is not None
     assert controller.decode_answer(answers[1], state(time=12)) is None
