@@ -67,11 +67,9 @@ def _of_kind(kinds: Mapping[str, Kind], file: Path) -> Kind:
 def float_columns(table: pa.Table, names: Sequence[str]) -> Array:
     """Columns (N, m) as floats, NaN for missing values; (N, 0) without names.
 
-    Raises KeyError for one that is missing, pyarrow's errors for one that holds no numbers.
+    Raises KeyError for one that is missing, ValueError for one that holds no numbers.
     """
-    if not names:
-        return np.empty((table.num_rows, 0))
-    return np.column_stack([floats(table, name) for name in names])
+    return np.column_stack([np.empty((table.num_rows, 0)), *(floats(table, n) for n in names)])
 
 
 def units(table: pa.Table) -> dict[str, str]:

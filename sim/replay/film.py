@@ -86,13 +86,13 @@ def _row(shots: Shots, factor: float | None, name: str) -> Image.Image:
         pen.text((20, 14), name, fill=tuple(INK), font=ImageFont.load_default(size=22))
     if not shots.contours:
         return image
-    first, last = shots.contours[0], shots.contours[-1]
-    title = f"k = {shots.runs[0].k} thin, k = {shots.runs[-1].k} thick"
-    motors, tool = (last, last.motor, BLUE, 3), (last, last.tool, ORANGE, 3)
-    panel = _Panel(shots.contours, factor)
-    if last.is_part:
-        return _beside(image, panel.draw(f"k = {shots.runs[-1].k}", [(last, last.tool, None, 4)]))
-    return _beside(image, panel.draw(title, [(first, first.tool, PALE, 2), motors, tool]))
+    first, last, k = shots.contours[0], shots.contours[-1], shots.runs[-1].k
+    title, lines = f"k = {k}", list[Line]([(last, last.tool, None, 4)])
+    if not last.is_part:
+        title = f"k = {shots.runs[0].k} thin, {title} thick"
+        tools: list[Line] = [(first, first.tool, PALE, 2), (last, last.tool, ORANGE, 3)]
+        lines = [tools[0], (last, last.motor, BLUE, 3), tools[1]]
+    return _beside(image, _Panel(shots.contours, factor).draw(title, lines))
 
 
 def film(file: Path, shots: Shots, factor: float | None, drawn: Callable[[], None]) -> None:
@@ -132,15 +132,14 @@ def _images(shots: Shots, factor: float | None, drawn: Callable[[], None]) -> It
     with Offscreen(shots.mj, WIDTH, HEIGHT) as camera:
         for i, run in enumerate(shots.runs):
             truth = run.recording.truth
-            for time in _times(run):
+            for time in _times(run).tolist():
                 row = min(int(np.searchsorted(truth.time, time)), len(truth.time) - 1)
                 image = _robot(camera, truth.qpos[row])
                 if panel is not None:
                     cut = shots.contours[i]
                     lines: list[Line] = [(cut, cut.motor, BLUE, 2), (cut, cut.tool, ORANGE, 3)]
-                    if cut.is_part:
-                        lines = [(cut, cut.tool, None, 4)]
-                    image = _beside(image, panel.draw(f"k = {run.k}", lines, until=float(time)))
+                    lines = [(cut, cut.tool, None, 4)] if cut.is_part else lines
+                    image = _beside(image, panel.draw(f"k = {run.k}", lines, until=time))
                 yield image
                 drawn()
 
@@ -199,14 +198,11 @@ class _Panel:
             return
         points = contour.magnified(deviation, self.factor)
         for piece in contour.pieces:
-            self._stroke(pen, points[piece.start : min(piece.stop, done)], colour, width)
-
-    def _stroke(
-        self, pen: ImageDraw.ImageDraw, points: Array, colour: Sequence[int], width: int
-    ) -> None:
-        if len(points) > 1:
-            at = [(float(x), float(y)) for x, y in self._pixels(points)]
-            pen.line(at, fill=tuple(colour), width=FINER * width, joint="curve")
+            at = self._pixels(points[piece.start : min(piece.stop, done)]).tolist()
+            if len(at) > 1:
+                pen.line(
+                    list(map(tuple, at)), fill=tuple(colour), width=FINER * width, joint="curve"
+                )
 
     def _pixels(self, points: Array) -> Array:
         return FINER * (points * self.scale + HEIGHT / 2)

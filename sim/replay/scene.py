@@ -83,12 +83,19 @@ def write_scenes(
         raise ValueError(f"magnification must be > 0, got {magnification:g}")
     contours = [scene.contours for scene in scenes]
     factor = magnification or min(fitting_magnification(own) for own in contours)
-    worst = _worst(scenes)
-    starts = _starts(scenes)
+    worst, starts = _worst(scenes), _starts(scenes)
     layouts = [_layout(scene, factor, worst, starts) for scene in scenes]
     with recording(path, blueprint(layouts)) as stream:
         for scene, own, layout in zip(scenes, contours, layouts, strict=True):
-            _send_scene(entities.Entities(stream, layout), scene, own, starts)
+            to = entities.Entities(stream, layout)
+            entities.send_static(to, scene.mj, own[0], scene.about, scene.robot.n_joints)
+            entities.send_paths(to, scene.runs, own, starts)
+            entities.send_learning(to, scene.runs, scene.learning, starts)
+            for run, contour, start in zip(scene.runs, own, starts.tolist(), strict=False):
+                entities.send_bodies(stream, scene.mj, run, start, prefix=layout.entity("robot"))
+                entities.send_contour(to, run.k, contour, start)
+                entities.send_series(to, run, contour, start)
+                entities.send_spectrum(to, run.k, contour, start)
 
 
 def _starts(scenes: Sequence[Scene]) -> Array:
@@ -109,30 +116,15 @@ def _layout(scene: Scene, factor: float, worst: float, starts: Array) -> Layout:
     data = mujoco.MjData(scene.mj)
     data.qpos[:] = scene.runs[0].recording.truth.qpos[0]
     mujoco.mj_kinematics(scene.mj, data)
-    height, target = float(data.geom_xpos[:, 2].max()), scene.motion.plane.origin
-    end = float(starts[len(scene.runs) - 1] + scene.runs[-1].recording.time[-1])
     return Layout(
         name=scene.name,
         factor=factor,
-        target=target,
-        height=height,
+        target=scene.motion.plane.origin,
+        height=float(data.geom_xpos[:, 2].max()),
         worst=worst,
-        end=end,
+        end=float(starts[len(scene.runs) - 1] + scene.runs[-1].recording.time[-1]),
         is_part=isinstance(scene.motion, PartMotion) and len(scene.motion.cuts) > 1,
     )
-
-
-def _send_scene(
-    to: entities.Entities, scene: Scene, contours: Sequence[Contour], starts: Array
-) -> None:
-    entities.send_static(to, scene.mj, contours[0], scene.about, scene.robot.n_joints)
-    entities.send_paths(to, scene.runs, contours, starts)
-    entities.send_learning(to, scene.runs, scene.learning, starts)
-    for run, contour, start in zip(scene.runs, contours, starts.tolist(), strict=False):
-        entities.send_bodies(to.stream, scene.mj, run, start, prefix=to.layout.entity("robot"))
-        entities.send_contour(to, run.k, contour, start)
-        entities.send_series(to, run, contour, start)
-        entities.send_spectrum(to, run.k, contour, start)
 
 
 @contextmanager

@@ -14,7 +14,7 @@ from armside.kinematics.calibration import Measurements
 from armside.kinematics.rotation import from_quaternion
 
 from ...records.files import InputError
-from ..recorded_motion import MotionRecording, PoseRecording, Stream, repaired
+from ..recorded_motion import MotionRecording, PoseRecording, repaired
 from .messages import BILLION, Joints, Sample, read_messages
 from .topics import FRAME, BagTopics
 
@@ -27,11 +27,8 @@ NUMBERED = re.compile(r"(.*?)(\d+)(\D*)")
 def joint_order(topic: str, names: Sequence[str], asked: Sequence[str]) -> tuple[str, ...]:
     """Names of the joints from the base on.
 
-    Those asked for; or else names that differ in one number alone, by that; or those of Universal
-    Robots.
-
-    Raises:
-        InputError: a joint is not there, or the names have no order.
+    Those asked for; or names that differ in one number alone, by that; or those of Universal
+    Robots. Raises InputError for a joint that is not there, or names without an order.
     """
     listed = ", ".join(names) or "no names"
     if asked:
@@ -89,28 +86,22 @@ def encoders(
 
     Raises InputError for joints without an order, and messages without angles or stamps.
     """
-    names = tuple(dict.fromkeys(name for one in messages for name in one.names))
-    order = joint_order(topic, names, asked)
-    rows, stamps = [], []
-    places: dict[tuple[str, ...], list[int] | None] = {}
-    for one in messages:
-        if one.names not in places:
-            whole = set(order) <= set(one.names)
-            places[one.names] = [one.names.index(name) for name in order] if whole else None
-        place = places[one.names]
-        if place is not None and len(one.position) == len(one.names):
-            rows.append(one.position[place])
-            stamps.append(one.stamp)
-    if len(rows) <= FEW * len(messages):
-        text = f"{len(messages) - len(rows)} of {len(messages)} messages lack positions of some of"
-        raise InputError(f"{topic}: {text} {', '.join(order)}: choose others by --joints")
-    notes = [f"encoders: {topic}, joints {', '.join(order)}"]
-    if left := len(messages) - len(rows):
+    listed = {one.names: set(one.names) for one in messages}
+    order = joint_order(topic, tuple(dict.fromkeys(name for own in listed for name in own)), asked)
+    places = {o: [o.index(name) for name in order] for o, own in listed.items() if own >= {*order}}
+    whole = [one for one in messages if one.names in places and len(one.position) == len(one.names)]
+    left, joints = len(messages) - len(whole), ", ".join(order)
+    if len(whole) <= FEW * len(messages):
+        text = f"{left} of {len(messages)} messages lack positions of some of {joints}"
+        raise InputError(f"{topic}: {text}: choose others by --joints")
+    notes = [f"encoders: {topic}, joints {joints}"]
+    if left:
         notes.append(f"encoders: {left} messages without all of these joints are left out")
-    return _stamped(topic, stamps, np.array(rows)), tuple(notes)
+    rows = np.array([one.position[places[one.names]] for one in whole])
+    return _stamped(topic, [one.stamp for one in whole], rows), tuple(notes)
 
 
-def sensor(topic: str, found: list[Sample]) -> tuple[Stamped, tuple[str, ...]]:
+def sensor(topic: str, found: list[Sample]) -> tuple[Stamped, str]:
     """Samples of an IMU or a target, and a note of its frames.
 
     Raises InputError for samples of several frames, or without stamps.
@@ -124,7 +115,7 @@ def sensor(topic: str, found: list[Sample]) -> tuple[Stamped, tuple[str, ...]]:
         raise InputError(f"{topic} gives its values in {len(frames)} frames: {', '.join(frames)}")
     values = np.array([one.values for one in found], dtype=np.float64)
     said = f"{topic}, frame {frames[0] or 'without a name'}"
-    return _stamped(topic, [one.stamp for one in found], values), (said,)
+    return _stamped(topic, [one.stamp for one in found], values), said
 
 
 def _stamped(topic: str, stamps: list[int], values: Array) -> Stamped:
@@ -134,8 +125,7 @@ def _stamped(topic: str, stamps: list[int], values: Array) -> Stamped:
 
 
 def motion_of_bag(path: Path, topics: BagTopics) -> MotionRecording:
-    """Encoders, IMU and one target of a bag; seconds count from the whole one before the first
-    stamp of the encoders.
+    """Encoders, IMU and one target of a bag; seconds from the whole one before the first stamp.
 
     Raises InputError or ValueError for what is missing, ambiguous or damaged.
     """
@@ -143,9 +133,8 @@ def motion_of_bag(path: Path, topics: BagTopics) -> MotionRecording:
     ((topic, angles),) = messages.encoders.items()
     motors, notes = encoders(topic, angles, topics.joints)
     origin = int(motors.stamp[0]) // BILLION * BILLION
-    streams: dict[str, Stream] = {}
-    streams["encoders"], more = _repaired(topic, motors, origin)
-    notes += more
+    encoder, more = repaired(topic, motors.time(origin), motors.values)
+    notes, streams = notes + more, {"encoders": encoder}
     if len(messages.tracker) > 1:
         raise InputError(f"{path.name}: one target is used here: give one --tracker-topic")
     for name, found in {"imu": messages.imu, "tracker": messages.tracker}.items():
@@ -153,15 +142,10 @@ def motion_of_bag(path: Path, topics: BagTopics) -> MotionRecording:
             samples, said = sensor(topic, own)
             if np.isnan(samples.values).all(axis=0).any():
                 raise InputError(f"{topic}: the driver marks values that an IMU needs as absent")
-            width = 6 if name == "imu" else 3
-            samples = samples._replace(values=samples.values[:, :width])
-            streams[name], more = _repaired(topic, samples, origin)
-            notes += (*(f"{name}: {one}" for one in said), *more)
+            values = samples.values[:, : 6 if name == "imu" else 3]
+            streams[name], more = repaired(topic, samples.time(origin), values)
+            notes += (f"{name}: {said}", *more)
     return MotionRecording(name=path.stem, form="ROS bag", notes=notes, **streams)
-
-
-def _repaired(topic: str, samples: Stamped, origin: int) -> tuple[Stream, tuple[str, ...]]:
-    return repaired(topic, samples.time(origin), samples.values)
 
 
 WINDOW = 0.2
@@ -175,37 +159,37 @@ LARGEST_GAP = 1.0
 def poses_of_bag(path: Path, topics: BagTopics) -> PoseRecording:
     """One configuration for each stand of the arm that a target was seen in.
 
-    Stamps of encoders and tracker are taken to be of one clock, as ROS has it. While the arm stands
-    still an offset between them changes nothing.
-
-    Raises InputError for what is missing, ambiguous or damaged, and where there is no such stand.
+    Stamps of encoders and tracker are taken to be of one clock, as ROS has it: an offset changes
+    nothing while the arm stands still. Raises InputError as above, and for a bag without a stand.
     """
     messages = read_messages(path, topics)
     ((topic, angles),) = messages.encoders.items()
     motors, notes = encoders(topic, angles, topics.joints)
     if not messages.tracker:
         raise InputError(f"{path.name} has no target of a tracker: poses need one")
-    _check_clock(topic, motors)
+    if not np.isfinite(motors.values).all():
+        raise InputError(f"{topic}: a position is not finite")
+    check_recorded_time(topic, motors.time(int(motors.stamp[0])), gap=np.inf, repeats=True)
     origin = int(motors.stamp[0]) // BILLION * BILLION
     time = motors.time(origin)
     stand = _stands(time, motors.values)
     targets = []
     for name, found in messages.tracker.items():
         samples, said = sensor(name, found)
-        notes += tuple(f"tracker: {one}" for one in said)
+        notes += (f"tracker: {said}",)
         targets.append(_by_stand(samples, samples.time(origin), time, stand))
     seen = sorted(set().union(*targets))
     if not seen:
         text = "no target was seen while the arm stood still"
         raise InputError(f"{path.name}: {text} for {WINDOW:g} s: is it a recording of poses?")
     notes += (f"{len(seen)} poses at which the arm stood still and a target was seen",)
-    return PoseRecording(_measurements(motors.values, stand, seen, targets), "ROS bag", notes)
-
-
-def _check_clock(topic: str, motors: Stamped) -> None:
-    if not np.isfinite(motors.values).all():
-        raise InputError(f"{topic}: a position is not finite")
-    check_recorded_time(topic, motors.time(int(motors.stamp[0])), gap=np.inf, repeats=True)
+    angles, absent = _grouped(stand, motors.values), np.full(3, np.nan)
+    measurements = Measurements(
+        phi=np.array([np.median(angles[k], axis=0) for k in seen]),
+        points=np.array([[own[k][:3] if k in own else absent for own in targets] for k in seen]),
+        rotation=_rotation(seen, targets[0]),
+    )
+    return PoseRecording(measurements, "ROS bag", notes)
 
 
 def _stands(time: Array, phi: Array) -> NDArray[np.intp]:
@@ -214,10 +198,8 @@ def _stands(time: Array, phi: Array) -> NDArray[np.intp]:
     width = 2 * max(1, round(0.5 * WINDOW / max(step, 1e-6))) + 1
     moved = maximum_filter1d(phi, width, axis=0) - minimum_filter1d(phi, width, axis=0)
     still: NDArray[np.bool_] = np.all(moved < STILL, axis=1)
-    goes_on = np.zeros(len(time), dtype=bool)
-    goes_on[1:] = still[:-1] & (np.diff(time) < LARGEST_GAP)
-    starts = still & ~goes_on
-    return np.where(still, np.cumsum(starts), 0)
+    goes_on = np.r_[False, still[:-1] & (np.diff(time) < LARGEST_GAP)]
+    return np.where(still, np.cumsum(still & ~goes_on), 0)
 
 
 def _by_stand(
@@ -244,16 +226,6 @@ def _middle(values: Array) -> Array:
     turns = values[:, 3:]
     signs = np.where(turns @ turns[0] < 0.0, -1.0, 1.0)
     return np.median(np.hstack((values[:, :3], turns * signs[:, None])), axis=0)
-
-
-def _measurements(
-    phi: Array, stand: NDArray[np.intp], seen: list[int], targets: list[dict[int, Array]]
-) -> Measurements:
-    absent = np.full(3, np.nan)
-    points = [[own[k][:3] if k in own else absent for own in targets] for k in seen]
-    angles = _grouped(stand, phi)
-    at = np.array([np.median(angles[k], axis=0) for k in seen])
-    return Measurements(phi=at, points=np.array(points), rotation=_rotation(seen, targets[0]))
 
 
 def _rotation(seen: list[int], target: dict[int, Array]) -> Array | None:

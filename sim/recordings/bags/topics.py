@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from enum import Enum
+from typing import NamedTuple
 
 from ...records.files import InputError
 
@@ -10,33 +10,23 @@ NONE = "none"
 """Given in place of a topic: the instrument is not read."""
 FRAME = "#"
 """Between a topic and the frame that is taken from it."""
-TF = "tf2_msgs/msg/TFMessage"
 
 
-class Instrument(Enum):
+class Instrument(NamedTuple):
     """Instrument of a recording: its option on the command line, and its types of messages."""
 
-    ENCODERS = ("joint-topic", ("sensor_msgs/msg/JointState",))
-    IMU = ("imu-topic", ("sensor_msgs/msg/Imu",))
-    TRACKER = (
-        "tracker-topic",
-        tuple(f"geometry_msgs/msg/{name}Stamped" for name in ("Pose", "Point", "Transform")),
-    )
+    name: str
+    option: str
+    types: tuple[str, ...]
+    """That are looked for."""
+    named: tuple[str, ...] = ()
+    """That can be read, too, where a topic is named."""
 
-    @property
-    def option(self) -> str:
-        """Name of the option without dashes."""
-        return self.value[0]
 
-    @property
-    def types(self) -> tuple[str, ...]:
-        """Types of messages that are looked for."""
-        return self.value[1]
-
-    @property
-    def readable(self) -> tuple[str, ...]:
-        """Types of messages that can be read where a topic is named."""
-        return (*self.types, TF) if self is Instrument.TRACKER else self.types
+ENCODERS = Instrument("encoders", "joint-topic", ("sensor_msgs/msg/JointState",))
+IMU = Instrument("imu", "imu-topic", ("sensor_msgs/msg/Imu",))
+_POINTS = tuple(f"geometry_msgs/msg/{name}Stamped" for name in ("Pose", "Point", "Transform"))
+TRACKER = Instrument("tracker", "tracker-topic", _POINTS, ("tf2_msgs/msg/TFMessage",))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,9 +47,9 @@ class BagTopics:
 
     def asked(self, instrument: Instrument) -> tuple[str, ...]:
         """Topics that were named for an instrument."""
-        if instrument is Instrument.TRACKER:
+        if instrument is TRACKER:
             return self.tracker
-        one = self.joint if instrument is Instrument.ENCODERS else self.imu
+        one = self.joint if instrument is ENCODERS else self.imu
         return () if one is None else (one,)
 
     @property
@@ -71,35 +61,26 @@ class BagTopics:
 def choose(
     bag: str, types: Mapping[str, str], instrument: Instrument, asked: Sequence[str]
 ) -> tuple[str, ...]:
-    """Topics (with their frames) of an instrument; empty where there are none.
+    """Topics (with their frames) of an instrument among those of a bag, whose types are given;
+    empty where there are none.
 
-    Args:
-        bag: its name, for messages.
-        types: of the messages of each topic that has any.
-        asked: topics named by the user.
-
-    Raises:
-        InputError: a topic is not there or of another type, or several are and none is named.
+    Raises InputError where one is not there or of another type, or several are and none is asked.
     """
+    readable = (*instrument.types, *instrument.named)
     if tuple(asked) == (NONE,):
         return ()
     for name in asked:
-        _check(bag, types, instrument, name.partition(FRAME)[0])
+        topic = name.partition(FRAME)[0]
+        if topic not in types:
+            fit = sorted(name for name, kind in types.items() if kind in readable) or "none fit"
+            raise InputError(f"{bag} has no topic {topic} with messages. Topics: {fit}")
+        if types[topic] not in readable:
+            text = f"{topic} of {bag} holds {types[topic]}"
+            raise InputError(f"{text}; --{instrument.option} takes {', '.join(readable)}")
     if asked:
         return tuple(asked)
     found = sorted(topic for topic, kind in types.items() if kind in instrument.types)
     if len(found) > 1:
-        choice = f"choose one by --{instrument.option}"
-        kinds = instrument.name.lower()
-        raise InputError(f"{bag} has {len(found)} topics for {kinds}: {', '.join(found)}; {choice}")
+        several = f"{bag} has {len(found)} topics for {instrument.name}: {', '.join(found)}"
+        raise InputError(f"{several}; choose one by --{instrument.option}")
     return tuple(found)
-
-
-def _check(bag: str, types: Mapping[str, str], instrument: Instrument, topic: str) -> None:
-    wanted = ", ".join(instrument.readable)
-    if topic not in types:
-        fit = sorted(name for name, kind in types.items() if kind in instrument.readable)
-        raise InputError(f"{bag} has no topic {topic} with messages. Topics: {fit or 'none fit'}")
-    if types[topic] not in instrument.readable:
-        text = f"{topic} of {bag} holds {types[topic]}"
-        raise InputError(f"{text}; --{instrument.option} takes {wanted}")
