@@ -76,10 +76,8 @@ def joint_columns(joints: Array, form: Form, units: Sequence[str]) -> Columns:
 
 
 def tool_columns(joints: Array, cell: Cell) -> Columns:
-    """Position and unit quaternion of TCP0 in base axes, by the nominal kinematics at the angles.
-
-    Raises ValueError for another number of axes.
-    """
+    """Position and unit quaternion of TCP0 in base axes, by the nominal kinematics at the
+    angles."""
     if (n := len(cell.limits.lower)) != joints.shape[1]:
         raise ValueError(f"the robot has {n} axes and the correction {joints.shape[1]}")
     T_base_tool = kinematics.compile(cell.robot).pose(np.ascontiguousarray(joints))
@@ -110,26 +108,16 @@ def _continuous(quaternion: Array) -> Array:
 
 
 def rsi_lines(correction: Array, beyond: Sequence[str] = ()) -> bytes:
-    """Corrections (M, n) [rad] for RSI, a sample each cycle.
-
-    One `Sen` element a line, with the axis corrections AKorr [deg]. IPOC counts from zero: a sender
-    replaces it by that of the message it answers.
-
-    beyond: what the gate has let through by its name, an XML comment each, in lines of their own
-    before the first message.
-    """
+    """Corrections (M, n) [rad] for RSI, a sample each cycle: one `Sen` element a line, AKorr in
+    [deg]. IPOC counts from zero: a sender replaces it. beyond: what the gate let through, a comment
+    each."""
     comments = "".join(f"<!-- {line} -->\n" for line in beyond)
     return comments.encode() + b"".join(line + b"\n" for line in _answers(RsiWire(), correction))
 
 
 def egm_messages(joints: Array) -> bytes:
-    """Absolute angles (M, n) [rad] for EGM, a sample each cycle.
-
-    EgmSensor messages with joints [deg], each after its length as a protobuf varint, which
-    protobuf's own readers of delimited messages take. Time stamps count from zero, as for RSI.
-
-    Raises ImportError without protobuf.
-    """
+    """Absolute angles (M, n) [rad] for EGM, a sample each cycle: EgmSensor messages with joints
+    [deg], each after its length as a protobuf varint. Time stamps count from zero."""
     from .egm import EgmWire
 
     return b"".join(varint(len(each)) + each for each in _answers(EgmWire(), joints))

@@ -86,10 +86,10 @@ class EgmWire:
         return message.SerializeToString()
 
     def decode_answer(self, datagram: bytes, to: State) -> Answer | None:
-        """Answer in an EgmSensor; None for one that came before. Raises WireError otherwise.
+        """Answer in an EgmSensor; None for one that came before.
 
-        A client that repeats the time stamp of the message in its own header is held to it: its
-        answer to an earlier message is late. EGM does not ask for that.
+        A client that repeats the time stamp of a message, which EGM does not ask for, is held to
+        it.
         """
         message = self._parsed(self._sensor, datagram)
         if not message.HasField("header"):

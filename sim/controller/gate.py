@@ -49,13 +49,8 @@ def exceeded(
 ) -> dict[str, str]:
     """What a correction (N, n) [rad] exceeds, a sentence by its name; empty where nothing.
 
-    A robot begins without correction, so that a first sample that is not zero is a step.
-
-    Args:
-        period: time between samples [s].
-        path: r (N, n), which the correction is added to, and limits: of the robot, which the sum
-            is held to. None where they are not known.
-        slides: axes that slide, whose correction is in [m].
+    It is a step where it does not begin at zero. period: [s]. path: r (N, n), whose sum with it the
+    limits are held to. slides: axes that slide, whose correction is in [m].
     """
     found: dict[str, str] = {}
     u = np.vstack((np.zeros_like(correction[:1]), correction))

@@ -189,8 +189,7 @@ class StreamedPlant:
 def program_of(link: Connection, seconds: float = 600.0) -> Array:
     """The controller's program (N, n) [rad], listened to in one run without correction.
 
-    Raises TimeoutError when no controller speaks, LostError for a program that does not move or
-    end.
+    Raises TimeoutError when no controller speaks, LostError when it does not move or end.
     """
     link.begin()
     state = link.receive()

@@ -23,11 +23,8 @@ _NUMBER = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?\s*\Z", re.AS
 
 
 class RsiWire:
-    """Both directions of RSI with axis corrections.
-
-    Corrections are absolute (they replace each other), or relative (they add up), as the object
-    AXISCORR of a controller is configured.
-    """
+    """Both directions of RSI with axis corrections, absolute or relative (they add up), as the
+    object AXISCORR of a controller is configured."""
 
     additive = True
 
@@ -152,10 +149,7 @@ def _stamp(root: ET.Element) -> int:
 
 
 def _abc(quaternion: Array) -> tuple[float, float, float]:
-    """KUKA's A, B, C [deg]: turns about z, y and x, from a quaternion, w first.
-
-    Where the y turn is 90 degrees, C is zero.
-    """
+    """KUKA's A, B, C [deg]: turns about z, y and x; C is zero where the y turn is 90 degrees."""
     R = np.empty(9)
     mujoco.mju_quat2Mat(R, quaternion)
     across = math.hypot(R[0], R[3])

@@ -23,11 +23,8 @@ that are real-time themselves."""
 
 @contextmanager
 def real_time() -> Iterator[bool]:
-    """This thread before all ordinary ones, where the system allows it: yields whether it does.
-
-    Python's garbage collector is off, as it takes up to a cycle; call `gc.collect` between runs.
-    Both are as before at the end.
-    """
+    """This thread before all ordinary ones, where the system allows it, and without Python's
+    collection of garbage, which takes up to a cycle: call `gc.collect` between runs."""
     collecting, before = gc.isenabled(), None
     gc.collect()
     gc.disable()
@@ -120,10 +117,8 @@ class Server:
         return tick
 
     def _overdue(self, udp: socket.socket) -> Answer | None:
-        """Counts answers that came after their cycle; the newest, if it may serve the next one.
-
-        Corrections belong to their place on the path, and are not used later.
-        """
+        """Counts answers that came after their cycle; the newest serves the next one, if it is
+        absolute."""
         datagrams = self._received(udp)
         if not self.real_time or self._before is None:
             self.late += len(datagrams)

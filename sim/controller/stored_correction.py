@@ -141,11 +141,9 @@ PREFIXES = ("correction", "u")
 
 
 def read_correction(file: Path) -> CsvSignal:
-    """Columns correction_1, correction_2, ... (or u_1, ...) of a CSV, MAT, HDF5 or Parquet file,
-    and time [s] if it has that.
-
-    Raises InputError for other columns, values that are missing, or a time that does not increase.
-    """
+    """Columns correction_1, ... (or u_1, ...), and time [s] if it has that, of a CSV, MAT, HDF5 or
+    Parquet file. Raises InputError for other columns, missing values, a time that does not
+    increase."""
     table = read_table(file)
     names = table.column_names
     prefix = next((p for p in PREFIXES if f"{p}_1" in names), None)

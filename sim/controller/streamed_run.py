@@ -23,10 +23,7 @@ _FULL_STATE = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
 
 @dataclass
 class StreamedRun:
-    """A run in progress. `advance` takes the correction of one sample and runs one period.
-
-    Raises ValueError for a robot whose correction acts within one period.
-    """
+    """A run in progress. `advance` takes the correction of one sample and runs one period."""
 
     loaded: LoadedReference
     rng: np.random.Generator | None = None
@@ -94,10 +91,8 @@ class StreamedRun:
     def ahead(self) -> None:
         """Run the period after this sample now, where a correction acts after two periods or more.
 
-        Not after the first sample, whose correction is held from the beginning. `advance` then
-        takes the correction alone, and signals stay those of this sample until it does.
-
-        Raises ArithmeticError when the physics is unstable.
+        Not after the first sample. `advance` then takes the correction alone, and signals stay as
+        they are until it does.
         """
         loaded = self.loaded
         late_enough = 2.0 * loaded.log_period + loaded.model.timestep
@@ -109,10 +104,8 @@ class StreamedRun:
             self._step(self.loaded.ratio)
 
     def advance(self, correction: Array) -> None:
-        """Run one period with u (n,) [rad] of this sample.
-
-        Raises RuntimeError when the run is finished, ArithmeticError when the physics is unstable.
-        """
+        """Run one period with u (n,) [rad] of this sample; ArithmeticError when the physics is
+        unstable."""
         if self.finished:
             raise RuntimeError("the run is finished")
         self._correction[self.sample] = correction

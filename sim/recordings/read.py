@@ -28,15 +28,10 @@ def is_motion(source: Path) -> bool:
 
 
 def read_motion(source: Path, topics: BagTopics = BagTopics()) -> MotionRecording:
-    """Recording: a folder of tables, a bag, a run of armside, or a published set.
+    """Recording in a folder of tables, a bag, a run of armside, or a published set.
 
-    Args:
-        source: folder, or file of a bag.
-        topics: of a bag.
-
-    Raises:
-        ValueError: of no known form, or damaged; the message names file and place.
-        OSError: a file cannot be read.
+    topics: of a bag. Raises ValueError, with file and place, for data of no known form, or damaged;
+    OSError where a file cannot be read.
     """
     if is_bag(source):
         return motion_of_bag(source, topics)
@@ -91,16 +86,7 @@ def _imu(file: Path) -> Stream | None:
 
 
 def read_poses(data: Path, topics: BagTopics = BagTopics()) -> PoseRecording:
-    """Poses of a table, a bag, or a published set.
-
-    Args:
-        data: file or folder.
-        topics: of a bag.
-
-    Raises:
-        ValueError: the data are of no known form, or damaged; the message names file and place.
-        OSError: a file cannot be read.
-    """
+    """Poses of a table, a bag, or a published set. topics and errors: as of `read_motion`."""
     if not data.exists():
         raise ValueError(f"{data} does not exist")
     if is_bag(data):

@@ -180,10 +180,8 @@ def _without_spikes(time: Array, values: Array) -> NDArray[np.bool_]:
 
 
 def _deviation(time: Array, values: Array) -> Array:
-    """Distance of each sample from the cubic through its neighbours, (N,).
-
-    Zero at the ends and beside gaps, which a cubic does not span.
-    """
+    """Distance (N,) of each sample from the cubic through its neighbours; zero at ends and beside
+    gaps."""
     inner, others = np.arange(2, len(time) - 2), {-2, -1, 1, 2}
     expected = np.zeros((len(inner), values.shape[1]))
     for a in sorted(others):

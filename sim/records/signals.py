@@ -125,10 +125,7 @@ def read_signals(path: Path) -> Signals:
 
 
 def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
-    """Runs of a table with the columns and the metadata of `write_signals`.
-
-    Raises ValueError where it holds something else, or signals of another format.
-    """
+    """Runs of a table with the columns and the metadata of `write_signals`, or ValueError."""
     metadata = {key.decode(): text.decode() for key, text in (table.schema.metadata or {}).items()}
     if "armside.config" not in metadata:
         raise ValueError(f"{source} holds no signals of armside: no armside.config in its metadata")

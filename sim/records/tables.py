@@ -65,10 +65,7 @@ def _of_kind(kinds: Mapping[str, Kind], file: Path) -> Kind:
 
 
 def float_columns(table: pa.Table, names: Sequence[str]) -> Array:
-    """Columns (N, m) as floats, NaN for missing values; (N, 0) without names.
-
-    Raises KeyError for one that is missing, ValueError for one that holds no numbers.
-    """
+    """Columns (N, m) as floats, NaN for missing values. Raises KeyError for one that is missing."""
     return np.column_stack([np.empty((table.num_rows, 0)), *(floats(table, n) for n in names)])
 
 
@@ -160,10 +157,7 @@ def _as_floats(table: pa.Table) -> dict[str, Array]:
 
 
 def _from_floats(content: Mapping[str, Any], metadata: dict[str, str], file: Path) -> pa.Table:
-    """Table of columns with NaN for missing values; a sample of a lost beam stays NaN.
-
-    Raises ValueError for columns of different lengths.
-    """
+    """Table of columns with NaN for missing values; a sample of a lost beam stays NaN."""
     if strange := [n for n, values in content.items() if np.iscomplexobj(values)]:
         raise ValueError(f"{file.name}: columns must be real numbers: {', '.join(strange)}")
     columns = {n: np.asarray(values, dtype=np.float64).ravel() for n, values in content.items()}

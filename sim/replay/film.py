@@ -47,10 +47,7 @@ class Shots:
 
 
 def stored_shots(run: StoredRun) -> Shots:
-    """Shots of a laser, cut or IMU run on disk.
-
-    Raises InputError for another experiment, or a run that lacks its path or its robot.
-    """
+    """Shots of a laser, cut or IMU run on disk, or InputError for another one."""
     if run.experiment not in (*REDRAWN, "imu"):
         raise InputError(f"{run.folder} is a run of {run.experiment}, which moves no robot to draw")
     contours = stored_scene(run).contours if run.experiment in REDRAWN else []
@@ -63,9 +60,7 @@ def stored_shots(run: StoredRun) -> Shots:
 def picture(file: Path, shown: Sequence[Shots], factor: float | None = None) -> None:
     """Write one picture: the robot at its start, the tool's first and last path beside it.
 
-    Several runs stand below each other, each by its name, at one magnification.
-
-    factor: magnification of deviations from the path, by default one that fits all.
+    Several runs stand below each other. factor: magnification, by default one that fits all.
     """
     cut = [shots.contours for shots in shown if shots.contours]
     if factor is None and cut:
@@ -96,10 +91,7 @@ def _row(shots: Shots, factor: float | None, name: str) -> Image.Image:
 
 
 def film(file: Path, shots: Shots, factor: float | None, drawn: Callable[[], None]) -> None:
-    """Write all runs in real time: GIF or WebP by Pillow, other kinds by the program ffmpeg.
-
-    drawn: called after each picture.
-    """
+    """Write all runs in real time: GIF or WebP by Pillow, other kinds by the program ffmpeg."""
     images = _images(shots, factor, drawn)
     with atomic(file) as partial:
         if kind := PILLOW_FORMATS.get(file.suffix.lower()):

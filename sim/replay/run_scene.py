@@ -49,10 +49,7 @@ def laser_scene(
 
 
 def stored_scene(run: StoredRun, *, name: str = "") -> Scene:
-    """Scene of a laser run on disk, of nothing but its files.
-
-    Raises InputError for another experiment, or a run that lacks its path or its robot.
-    """
+    """Scene of a laser run on disk, of nothing but its files; or InputError for another one."""
     if run.experiment not in REDRAWN:
         other = f"is a run of {run.experiment}; only those of laser and cut are redrawn"
         raise InputError(f"{run.folder} {other}")
@@ -66,10 +63,9 @@ Stored = bytes | Sequence[Scene]
 
 
 def read_replay(runs: Sequence[StoredRun]) -> Stored:
-    """Replay of runs on disk, read as a whole and not yet written.
+    """Replay of runs on disk, not yet written; several side by side under their folders' names.
 
-    Several are shown side by side under their folders' names, numbered where two are alike. Raises
-    InputError for runs of other experiments side by side, or a file that is missing.
+    Raises InputError for runs of other experiments side by side, or a file that is missing.
     """
     if len(runs) == 1 and runs[0].experiment not in REDRAWN:
         return runs[0].file("replay.rrd").read_bytes()

@@ -72,9 +72,8 @@ def write_scenes(
 ) -> None:
     """Write one or more experiments side by side, whole or not at all. Iterations start together.
 
-    magnification: factor on deviations from the path. By default that of `fitting_magnification`.
-
-    Raises ValueError for no scene, two of one name, or a magnification that is not above 0.
+    magnification: of deviations, by default `fitting_magnification`. Raises ValueError for no
+    scene, two of one name, or a magnification that is not above 0.
     """
     names = [scene.name for scene in scenes]
     if not scenes or len(set(names)) != len(names):
@@ -129,10 +128,8 @@ def _layout(scene: Scene, factor: float, worst: float, starts: Array) -> Layout:
 
 @contextmanager
 def recording(path: Path, blueprint: rrb.Blueprint) -> Iterator[rr.RecordingStream]:
-    """Stream whose content becomes the file when the block ends without an error.
-
-    Raises OSError, such as on a full disk.
-    """
+    """Stream whose content becomes the file when the block ends without an error, such as
+    OSError."""
     stream = rr.RecordingStream("armside", send_properties=False)
     with atomic(path) as partial, _copied_to(partial) as pipe:
         try:
@@ -146,10 +143,8 @@ def recording(path: Path, blueprint: rrb.Blueprint) -> Iterator[rr.RecordingStre
 
 @contextmanager
 def _copied_to(file: Path) -> Iterator[str]:
-    """Name of a pipe whose content is written to a file.
-
-    Rerun's own writer, on a full disk, waits for ever or ends the process without an error.
-    """
+    """Name of a pipe whose content is written to a file. Rerun's own writer, on a full disk, waits
+    for ever or ends the process without an error."""
     source, sink = os.pipe()
     failures: list[OSError] = []
     copying = Thread(target=_copy, args=(source, file, failures))

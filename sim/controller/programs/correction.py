@@ -88,12 +88,8 @@ class _Placed:
 def corrected(program: ProgramText, spans: Sequence[tuple[Array, Array]], R: Array) -> Corrected:
     """The program on the path of a run that is moved; its other bytes as they are.
 
-    Args:
-        spans: of each contour, leads included: positions (N, 3) [m] of TCP0 in base axes, as
-            programmed, and as they are to be.
-        R: (3, 3), base to TCP0.
-
-    Raises InputError or ProgramError where it does not follow the path of the run.
+    spans: of each contour, positions (N, 3) [m] of TCP0 in base axes, as programmed and as they are
+    to be. R: base to TCP0. Raises InputError or ProgramError where it does not follow the path.
     """
     even = [_by_arc_length(*span) for span in spans]
     _refuse_arcs(program, np.concatenate([run for run, _ in even]), R)
@@ -173,8 +169,7 @@ def _placed_rows(program: ProgramText, R: Array) -> _Placed:
 def _matched(placed: _Placed, run: Array) -> NDArray[np.int64]:
     """(K,) index of the place that each place of a run is at, in order; -1: none.
 
-    Where several places are near the first, as on a path that passes a point twice, the one from
-    which the most of the run is found.
+    Of several near the first, the one from which the most of the run is found.
     """
     near = np.flatnonzero(KDTree(placed.path).query(run)[0] < NEAR)
     best = np.full(len(run), -1)
@@ -211,10 +206,7 @@ def _feet(path: Array, at: NDArray[np.int64], goal: Array) -> tuple[NDArray[np.i
 def _basis(
     program: ProgramText, placed: _Placed, foot: NDArray[np.int64], R: Array
 ) -> tuple[csc_array, list[Point], list[Array]]:
-    """N (K, M) of places in all rows, the M points, and from base to work object of each.
-
-    Targets that share their numbers share a column.
-    """
+    """N (K, M) of places in all rows, the M points, and from base to work object of each."""
     index, turns, parts = dict[Point, int](), list[Array](), list[tuple[NDArray[Any], ...]]()
     for i, row in enumerate(placed.rows):
         places = [program.places[move] for move in row.moves]
@@ -263,10 +255,7 @@ def corrected_by(
     cell: Cell,
     drives: Drives,
 ) -> Corrected:
-    """The program on the path r + u of a run, u delayed and lagged as by the servo's input.
-
-    Raises as `corrected`.
-    """
+    """The program on the path r + u of a run, u delayed and lagged as by the servo's input."""
     period, delay, lag = stored.sample_time, drives.correction_delay, drives.correction_lag
     u = correction_path(stored.correction, period, 1, delay, lag).position
     pose, r = kinematics.compile(cell.robot).pose, stored.reference

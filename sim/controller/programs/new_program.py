@@ -124,10 +124,8 @@ def new_program(
 ) -> NewProgram:
     """Program for all cuts of a motion, leads included, with straight moves between them.
 
-    spacing: [m], at most, between targets. rapid: speed [m/s] between cuts. rows: of each cut, in
-    place of those that follow it best.
-
-    Raises ValueError for too many targets.
+    spacing: [m], at most, of targets. rapid: [m/s]. rows: of each cut, in place of those that
+    follow it best. Raises ValueError for too many targets.
     """
     count = sum(_targets(cut.path.length, spacing) for cut in motion.cuts)
     if count > MOST_TARGETS:
@@ -181,10 +179,8 @@ def contour_in_base(motion: PartMotion, cut: CutLeg) -> Callable[[Array], Array]
 
 
 def fitted(point: Callable[[Array], Array], length: float, spacing: float) -> tuple[Row, float]:
-    """Control points of a path by least squares, its ends exact, and their largest error [m].
-
-    point: (K, 3) [m] at arc lengths (K,) up to `length` [m]. spacing: [m], at most.
-    """
+    """Control points of a path (points at arc lengths [m]) by least squares, its ends exact, at
+    most a spacing [m] apart, and their largest error [m]."""
     n = _targets(length, spacing)
     s, zones = np.linspace(0.0, length, PER_TARGET * n), np.full(n, spacing / 2.0)
     goal, targets = point(s), point(np.linspace(0.0, length, n))

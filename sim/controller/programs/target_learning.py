@@ -97,10 +97,8 @@ def _at_plan(program: PlannedProgram, signal: Array, run_time: Array, plan_time:
 
 
 def across(program: PlannedProgram, position: Array, run_time: Array, plan_time: Array) -> Array:
-    """(N, 3) [m], from the tool to the nearest place of the contour around where it should be.
-
-    position: (K, 3) [m], base axes, at the log of a run.
-    """
+    """(N, 3) [m], from the tool at positions (K, 3) [m] of a log, to the nearest place of the
+    contour."""
     motion = program.experiment.motion
     tool = _at_plan(program, position, run_time, plan_time)
     weight = np.where(motion.is_on_contour(motion.time), 1.0, LEADS)[:, np.newaxis]
@@ -244,10 +242,8 @@ def contour_measure(
 ) -> Callable[[Pass], ContourOutput]:
     """Contour errors by a measure of the cut, set up by a first run.
 
-    robot: model that targets are learned on, such as a twin's; None: the nominal robot, on the
-    springs that the measure assumes or identifies.
-
-    Raises ValueError for a measure that programs cannot be learned from.
+    robot: that targets are learned on; None: the nominal one on the springs that the measure
+    assumes or identifies. Raises ValueError for a measure that programs cannot be learned from.
     """
     experiment = program.experiment
     nominal, start = experiment.nominal, experiment.programmed[0]
@@ -314,11 +310,8 @@ def learn_targets(
 ) -> Iterator[Iteration]:
     """Runs k = 0 .. `iterations` of a program whose targets are learned.
 
-    Its corrections are displacements of the path (N, 3) [m]; `program.offsets` has the targets'.
-
-    robot: as of `contour_measure`. plant: runs the program in place of the virtual robot.
-
-    Raises as `contour_measure` and `iterate`.
+    Corrections are displacements of the path (N, 3) [m]. robot: as of `contour_measure`. plant:
+    runs the program in place of the virtual robot. Raises as `contour_measure` and `iterate`.
     """
     return iterate(
         program.experiment,

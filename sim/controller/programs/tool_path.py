@@ -141,10 +141,8 @@ def _joined(a: Place, b: Place) -> bool:
 
 
 def arcs_of(program: ProgramText, step: float = STEP) -> dict[int, Array]:
-    """Points (K, 3) [m] of each MoveC by its index, in its work object.
-
-    The whole arc: zones at its ends are not modelled. Raises ProgramError for one without a start.
-    """
+    """Points (K, 3) [m] of each MoveC by its index, in its work object, without the zones at its
+    ends."""
     found = dict[int, Array]()
     for i, move in enumerate(program.program.instructions):
         if isinstance(move, MoveC):
@@ -160,10 +158,7 @@ def arcs_of(program: ProgramText, step: float = STEP) -> dict[int, Array]:
 
 
 def arc(start: Array, via: Array, end: Array, step: float = STEP) -> Array:
-    """Points (K, 3) [m] of the circle through three points, from start through via to end.
-
-    Raises ValueError for points on a line.
-    """
+    """Points (K, 3) [m] of the circle through three points, or ValueError for points on a line."""
     a, b = via - start, end - start
     normal = np.cross(a, b)
     if (square := normal @ normal) <= 1e-18 * (a @ a) * (b @ b) or not square > 0.0:

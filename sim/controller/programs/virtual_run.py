@@ -103,10 +103,10 @@ class ProgramRun:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PlannedProgram:
-    """A program for the contours of an experiment, whose targets can be moved.
+    """A program for the contours of an experiment, whose targets can be moved, but the ends of
+    rows.
 
-    Displacements of the path are its inputs, (N, 3) [m] at the instants of the plan: N(w) times the
-    offsets of the targets. The first and the last target of a row stay.
+    Its inputs are displacements of the path (N, 3) [m] at the instants of the plan.
     """
 
     experiment: Experiment[Any]
@@ -187,10 +187,7 @@ class PlannedProgram:
         return Statics(self.experiment.nominal)
 
     def run(self, rows: Sequence[Row]) -> ProgramRun:
-        """The reference that the controller makes of rows of targets, one for each stretch.
-
-        Raises ValueError where it leaves the reach or the joint limits.
-        """
+        """The reference that the controller makes of rows of targets, one for each stretch."""
         motion, cut = self.experiment.motion, self.experiment.cut
         plan = np.arange(0.0, motion.motion_end + TICK, TICK)
         paths = [self._path(s, row) for s, row in zip(self.stretches, rows, strict=True)]

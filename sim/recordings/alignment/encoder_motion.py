@@ -54,10 +54,7 @@ class EncoderMotion:
 
 
 def encoder_motion(robot: CompiledRobot, encoders: Stream) -> EncoderMotion:
-    """Motion by the encoders; a spline over the stamps, low-passed without phase.
-
-    Raises ValueError for another number of motors than the robot's, or a rate that is too low.
-    """
+    """Motion by the encoders; a spline over the stamps, low-passed without phase."""
     n, given = robot.robot.n_joints, encoders.values.shape[1]
     if given != n:
         raise ValueError(f"{robot.robot.name} has {n} motors, the recording has {given}")
@@ -109,10 +106,7 @@ OVERLAP = 0.5
 
 
 def coarse_lag(name: str, own: tuple[Array, Array], robot: tuple[Array, Array]) -> float:
-    """Own clock minus the robot's [s] by times (K,) [s] and speeds (K,) of both.
-
-    Raises ValueError, with the name of the instrument, where no lag makes the two alike.
-    """
+    """Own clock minus the robot's [s] by times (K,) [s] and speeds (K,) of both, or ValueError."""
     likeness, n = _likeness(own, robot)
     best = int(np.argmax(likeness))
     if not likeness[best] > CORRELATED:

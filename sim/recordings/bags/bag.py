@@ -82,10 +82,7 @@ class Stamped(NamedTuple):
 def encoders(
     topic: str, messages: list[Joints], asked: tuple[str, ...]
 ) -> tuple[Stamped, tuple[str, ...]]:
-    """Angles in the order of the motors, and notes: order of the joints, messages left out.
-
-    Raises InputError for joints without an order, and messages without angles or stamps.
-    """
+    """Angles in the order of the motors, and notes: order of the joints, messages left out."""
     listed = {one.names: set(one.names) for one in messages}
     order = joint_order(topic, tuple(dict.fromkeys(name for own in listed for name in own)), asked)
     places = {o: [o.index(name) for name in order] for o, own in listed.items() if own >= {*order}}
@@ -102,10 +99,7 @@ def encoders(
 
 
 def sensor(topic: str, found: list[Sample]) -> tuple[Stamped, str]:
-    """Samples of an IMU or a target, and a note of its frames.
-
-    Raises InputError for samples of several frames, or without stamps.
-    """
+    """Samples of an IMU or a target, in one frame, and a note of it."""
     children = sorted({one.child for one in found})
     if len(children) > 1:
         text = f"measures {len(children)} frames: {', '.join(children)}"
@@ -125,10 +119,7 @@ def _stamped(topic: str, stamps: list[int], values: Array) -> Stamped:
 
 
 def motion_of_bag(path: Path, topics: BagTopics) -> MotionRecording:
-    """Encoders, IMU and one target of a bag; seconds from the whole one before the first stamp.
-
-    Raises InputError or ValueError for what is missing, ambiguous or damaged.
-    """
+    """Encoders, IMU and one target of a bag; seconds from the whole one before the first stamp."""
     messages = read_messages(path, topics)
     ((topic, angles),) = messages.encoders.items()
     motors, notes = encoders(topic, angles, topics.joints)

@@ -109,11 +109,8 @@ def is_bag(path: Path) -> bool:
 
 
 def read_messages(path: Path, topics: BagTopics) -> Messages:
-    """Messages of the chosen topics.
-
-    Raises InputError for a bag that is damaged, without encoders or too long, topics that are
-    ambiguous, and without the package rosbags.
-    """
+    """Messages of the chosen topics. Raises InputError for a bag that is damaged, without encoders
+    or too long, topics that are ambiguous, and without the package rosbags."""
     for file in path.iterdir() if path.is_dir() else [path]:
         check_file(file, LARGEST_METADATA if file.name == METADATA else LARGEST_BAG)
     with _opened(path) as bag:

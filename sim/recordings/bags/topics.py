@@ -61,8 +61,7 @@ class BagTopics:
 def choose(
     bag: str, types: Mapping[str, str], instrument: Instrument, asked: Sequence[str]
 ) -> tuple[str, ...]:
-    """Topics (with their frames) of an instrument among those of a bag, whose types are given;
-    empty where there are none.
+    """Topics (with their frames) of an instrument among those of a bag; empty where there are none.
 
     Raises InputError where one is not there or of another type, or several are and none is asked.
     """

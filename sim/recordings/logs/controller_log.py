@@ -149,10 +149,7 @@ class ControllerLog:
 
 
 def read_log(file: Path, columns: Path | None = None) -> ControllerLog:
-    """Table of a log whose form is known by its header, or by a file of columns.
-
-    Raises InputError for another form, columns or units that are missing, impossible values.
-    """
+    """Table of a log whose form is known by its header, or by a file of columns; or InputError."""
     check_file(file, LARGEST_DATA)
     source = read_diadem(file) if file.suffix.lower() == ".dat" else read_text(file)
     form = _known(source) if columns is None else read_columns(columns)

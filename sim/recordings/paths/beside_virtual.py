@@ -57,10 +57,7 @@ class TimingErrors:
 
 
 def timing_errors(logs: Sequence[Stream]) -> TimingErrors:
-    """Timing errors of the samples of logs in motion.
-
-    Raises ValueError for logs in which some motor never moves with the others.
-    """
+    """Timing errors of logs in which all motors move at the same time, or ValueError."""
     found = tuple(_of(log) for log in logs)
     if not all(len(errors) for errors in found):
         raise ValueError("timing errors need logs in which all motors move at the same time")
@@ -88,10 +85,8 @@ REST = 0.5
 def virtual_runs(
     path: WaypointPath, speed: float, n: int, seed: int, step: Callable[[], None] = lambda: None
 ) -> list[Stream]:
-    """Motor logs of n runs of the virtual large robot at a speed [m/s], by its encoders at 250 Hz.
-
-    Runs have noise of their own. Raises RuntimeError for one that has become unstable.
-    """
+    """Motor logs of n runs of the virtual large robot at a speed [m/s], by its encoders at 250 Hz,
+    each with noise of its own. Raises RuntimeError for one that has become unstable."""
     cell, timing = CELLS["large"], rest_to_rest(path.length, speed, PathLimits())
     time = np.arange(-REST, timing.duration + REST, LOG_PERIOD)
     reference = path.motor_angles(timing.at(time)[0])
