@@ -17,7 +17,6 @@ tracker.*    time, target_x, target_y, target_z [m], a point fixed to the tool  
 
 from pathlib import Path
 
-import numpy as np
 import pyarrow as pa
 
 from armside.arrays import Array
@@ -25,7 +24,7 @@ from armside.kinematics.calibration import Measurements
 from armside.kinematics.rotation import from_quaternion
 
 from ..records.files import reading
-from ..records.tables import READERS, float_columns, read_table, table_of, write_table
+from ..records.tables import READERS, float_columns, numbered, read_table, table_of, write_table
 from .recorded_motion import MotionRecording, PoseRecording, Stream, repaired
 
 QUATERNION = ("tool_qw", "tool_qx", "tool_qy", "tool_qz")
@@ -40,23 +39,20 @@ UNITS = {"motor_angle": "rad", "acceleration": "m/s²", "angular_velocity": "rad
 def read_pose_table(file: Path) -> PoseRecording:
     """Poses of a table. Raises ValueError for columns that are missing."""
     table = read_table(file)
-    motors = _numbered(table, "motor_angle_{}")
-    targets = _numbered(table, "target_{}_x")
+    motors, targets = numbered(table, "motor_angle_{}"), numbered(table, "target_{}_x")
     if not motors or not targets:
         form = "motor_angle_1.. [rad] and target_1_x, target_1_y, target_1_z [m]"
         raise ValueError(f"{file.name} is no table of poses: it needs columns {form}")
     if not table.num_rows:
         raise ValueError(f"{file.name} has no rows")
     phi = _columns(file, table, motors)
-    points = [
-        _columns(file, table, [f"target_{i}_{a}" for a in "xyz"])
-        for i in range(1, len(targets) + 1)
-    ]
+    names = [f"target_{i + 1}_{a}" for i in range(len(targets)) for a in "xyz"]
+    points = _columns(file, table, names).reshape(len(phi), -1, 3)
     rotation = None
     if set(QUATERNION) <= set(table.column_names):
         rotation = from_quaternion(_columns(file, table, QUATERNION))
     with reading(file):
-        measurements = Measurements(phi=phi, points=np.stack(points, axis=1), rotation=rotation)
+        measurements = Measurements(phi=phi, points=points, rotation=rotation)
     return PoseRecording(measurements, "table of poses")
 
 
@@ -73,7 +69,7 @@ def read_motion_tables(folder: Path) -> MotionRecording:
         if (file := _file(folder, name)) is None:
             continue
         table = read_table(file)
-        columns = COLUMNS.get(name) or _numbered(table, "motor_angle_{}") or ["motor_angle_1"]
+        columns = COLUMNS.get(name) or numbered(table, "motor_angle_{}") or ["motor_angle_1"]
         values = _columns(file, table, ["time", *columns])
         streams[name], more = repaired(name, values[:, 0], values[:, 1:])
         notes += more
@@ -96,14 +92,6 @@ def write_motion_tables(folder: Path, recording: MotionRecording, kind: str) -> 
 def _file(folder: Path, name: str) -> Path | None:
     found = (folder / f"{name}{suffix}" for suffix in READERS)
     return next((file for file in found if file.is_file()), None)
-
-
-def _numbered(table: pa.Table, form: str) -> list[str]:
-    """Names with 1, 2, ... as long as there are columns of that name."""
-    names: list[str] = []
-    while (name := form.format(len(names) + 1)) in table.column_names:
-        names.append(name)
-    return names
 
 
 def _columns(file: Path, table: pa.Table, names: list[str] | tuple[str, ...]) -> Array:

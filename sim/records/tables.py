@@ -9,6 +9,7 @@ import json
 import re
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
+from itertools import count, takewhile
 from math import prod
 from pathlib import Path
 from typing import Any, TypeVar
@@ -67,6 +68,12 @@ def _of_kind(kinds: Mapping[str, Kind], file: Path) -> Kind:
 def float_columns(table: pa.Table, names: Sequence[str]) -> Array:
     """Columns (N, m) as floats, NaN for missing values. Raises KeyError for one that is missing."""
     return np.column_stack([np.empty((table.num_rows, 0)), *(floats(table, n) for n in names)])
+
+
+def numbered(table: pa.Table, form: str) -> list[str]:
+    """Names of a form with 1, 2, ... in place of {}, as long as there are such columns."""
+    found = (form.format(i) for i in count(1))
+    return list(takewhile(table.column_names.__contains__, found))
 
 
 def units(table: pa.Table) -> dict[str, str]:

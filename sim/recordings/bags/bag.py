@@ -3,7 +3,6 @@
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +13,8 @@ from armside.kinematics.calibration import Measurements
 from armside.kinematics.rotation import from_quaternion
 
 from ...records.files import InputError
-from ..recorded_motion import MotionRecording, PoseRecording, repaired
-from .messages import BILLION, Joints, Sample, read_messages
-from .topics import FRAME, BagTopics
+from ..recorded_motion import MotionRecording, PoseRecording, Stream, repaired
+from .messages import BILLION, FRAME, BagTopics, Joints, Sample, read_messages
 
 UR = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
 """Parts of the names of Universal Robots' joints, from the base on; their driver publishes them in
@@ -65,24 +63,11 @@ FEW = 0.5
 """Fraction of the messages that may lack joints before the topic is refused."""
 
 
-class Stamped(NamedTuple):
-    """Samples by the stamps of their headers."""
-
-    stamp: NDArray[np.int64]
-    """(N,) [ns]."""
-    values: Array
-    """(N, m)."""
-
-    def time(self, origin: int) -> Array:
-        """(N,) [s] from an origin [ns], exact to the nanosecond for a century."""
-        whole, part = np.divmod(self.stamp - origin, BILLION)
-        return whole + part / BILLION
-
-
 def encoders(
     topic: str, messages: list[Joints], asked: tuple[str, ...]
-) -> tuple[Stamped, tuple[str, ...]]:
-    """Angles in the order of the motors, and notes: order of the joints, messages left out."""
+) -> tuple[int, Stream, tuple[str, ...]]:
+    """Whole second [ns] before the first stamp, from which all times count; angles in the order of
+    the motors; notes: order of the joints, messages left out."""
     listed = {one.names: set(one.names) for one in messages}
     order = joint_order(topic, tuple(dict.fromkeys(name for own in listed for name in own)), asked)
     places = {o: [o.index(name) for name in order] for o, own in listed.items() if own >= {*order}}
@@ -95,10 +80,11 @@ def encoders(
     if left:
         notes.append(f"encoders: {left} messages without all of these joints are left out")
     rows = np.array([one.position[places[one.names]] for one in whole])
-    return _stamped(topic, [one.stamp for one in whole], rows), tuple(notes)
+    origin = whole[0].stamp // BILLION * BILLION
+    return origin, Stream(_seconds(topic, whole, origin), rows), tuple(notes)
 
 
-def sensor(topic: str, found: list[Sample]) -> tuple[Stamped, str]:
+def sensor(topic: str, found: list[Sample], origin: int) -> tuple[Stream, str]:
     """Samples of an IMU or a target, in one frame, and a note of it."""
     children = sorted({one.child for one in found})
     if len(children) > 1:
@@ -109,32 +95,34 @@ def sensor(topic: str, found: list[Sample]) -> tuple[Stamped, str]:
         raise InputError(f"{topic} gives its values in {len(frames)} frames: {', '.join(frames)}")
     values = np.array([one.values for one in found], dtype=np.float64)
     said = f"{topic}, frame {frames[0] or 'without a name'}"
-    return _stamped(topic, [one.stamp for one in found], values), said
+    return Stream(_seconds(topic, found, origin), values), said
 
 
-def _stamped(topic: str, stamps: list[int], values: Array) -> Stamped:
-    if not any(stamps):
+def _seconds(topic: str, found: Sequence[Joints | Sample], origin: int) -> Array:
+    """Stamps (N,) [s] from an origin [ns], exact to the nanosecond for a century."""
+    stamps = np.array([one.stamp for one in found], dtype=np.int64)
+    if not stamps.any():
         raise InputError(f"{topic}: the headers carry no stamps (all are zero)")
-    return Stamped(np.array(stamps, dtype=np.int64), values)
+    whole, part = np.divmod(stamps - origin, BILLION)
+    return whole + part / BILLION
 
 
 def motion_of_bag(path: Path, topics: BagTopics) -> MotionRecording:
     """Encoders, IMU and one target of a bag; seconds from the whole one before the first stamp."""
     messages = read_messages(path, topics)
     ((topic, angles),) = messages.encoders.items()
-    motors, notes = encoders(topic, angles, topics.joints)
-    origin = int(motors.stamp[0]) // BILLION * BILLION
-    encoder, more = repaired(topic, motors.time(origin), motors.values)
+    origin, motors, notes = encoders(topic, angles, topics.joints)
+    encoder, more = repaired(topic, motors.time, motors.values)
     notes, streams = notes + more, {"encoders": encoder}
     if len(messages.tracker) > 1:
         raise InputError(f"{path.name}: one target is used here: give one --tracker-topic")
     for name, found in {"imu": messages.imu, "tracker": messages.tracker}.items():
         for topic, own in found.items():
-            samples, said = sensor(topic, own)
+            samples, said = sensor(topic, own, origin)
             if np.isnan(samples.values).all(axis=0).any():
                 raise InputError(f"{topic}: the driver marks values that an IMU needs as absent")
             values = samples.values[:, : 6 if name == "imu" else 3]
-            streams[name], more = repaired(topic, samples.time(origin), values)
+            streams[name], more = repaired(topic, samples.time, values)
             notes += (f"{name}: {said}", *more)
     return MotionRecording(name=path.stem, form="ROS bag", notes=notes, **streams)
 
@@ -155,20 +143,18 @@ def poses_of_bag(path: Path, topics: BagTopics) -> PoseRecording:
     """
     messages = read_messages(path, topics)
     ((topic, angles),) = messages.encoders.items()
-    motors, notes = encoders(topic, angles, topics.joints)
+    origin, motors, notes = encoders(topic, angles, topics.joints)
     if not messages.tracker:
         raise InputError(f"{path.name} has no target of a tracker: poses need one")
     if not np.isfinite(motors.values).all():
         raise InputError(f"{topic}: a position is not finite")
-    check_recorded_time(topic, motors.time(int(motors.stamp[0])), gap=np.inf, repeats=True)
-    origin = int(motors.stamp[0]) // BILLION * BILLION
-    time = motors.time(origin)
-    stand = _stands(time, motors.values)
+    check_recorded_time(topic, motors.time - motors.time[0], gap=np.inf, repeats=True)
+    stand = _stands(motors.time, motors.values)
     targets = []
     for name, found in messages.tracker.items():
-        samples, said = sensor(name, found)
+        samples, said = sensor(name, found, origin)
         notes += (f"tracker: {said}",)
-        targets.append(_by_stand(samples, samples.time(origin), time, stand))
+        targets.append(_by_stand(samples, motors.time, stand))
     seen = sorted(set().union(*targets))
     if not seen:
         text = "no target was seen while the arm stood still"
@@ -193,10 +179,9 @@ def _stands(time: Array, phi: Array) -> NDArray[np.intp]:
     return np.where(still, np.cumsum(still & ~goes_on), 0)
 
 
-def _by_stand(
-    samples: Stamped, at: Array, time: Array, stand: NDArray[np.intp]
-) -> dict[int, Array]:
+def _by_stand(samples: Stream, time: Array, stand: NDArray[np.intp]) -> dict[int, Array]:
     """Median of a target's samples (m,) in each stand that it was seen in."""
+    at = samples.time
     after = np.clip(np.searchsorted(time, at), 1, len(time) - 1)
     same = stand[after] * (stand[after] == stand[after - 1])
     inside = (at >= time[0]) & (at <= time[-1]) & np.isfinite(samples.values).all(axis=1)
