@@ -81,13 +81,19 @@ def _row(shots: Shots, factor: float | None, name: str) -> Image.Image:
         pen.text((20, 14), name, fill=tuple(INK), font=ImageFont.load_default(size=22))
     if not shots.contours:
         return image
-    first, last, k = shots.contours[0], shots.contours[-1], shots.runs[-1].k
-    title, lines = f"k = {k}", list[Line]([(last, last.tool, None, 4)])
+    first, last = shots.contours[0], shots.contours[-1]
+    title, lines = f"k = {shots.runs[-1].k}", _lines(last, 3)
     if not last.is_part:
         title = f"k = {shots.runs[0].k} thin, {title} thick"
-        tools: list[Line] = [(first, first.tool, PALE, 2), (last, last.tool, ORANGE, 3)]
-        lines = [tools[0], (last, last.motor, BLUE, 3), tools[1]]
+        lines = [(first, first.tool, PALE, 2), *lines]
     return _beside(image, _Panel(shots.contours, factor).draw(title, lines))
+
+
+def _lines(cut: Contour, motors: int) -> list[Line]:
+    """Of motors, as wide as given, and tool; of a part the tool's alone, by its deviation."""
+    if cut.is_part:
+        return [(cut, cut.tool, None, 4)]
+    return [(cut, cut.motor, BLUE, motors), (cut, cut.tool, ORANGE, 3)]
 
 
 def film(file: Path, shots: Shots, factor: float | None, drawn: Callable[[], None]) -> None:
@@ -128,9 +134,7 @@ def _images(shots: Shots, factor: float | None, drawn: Callable[[], None]) -> It
                 row = min(int(np.searchsorted(truth.time, time)), len(truth.time) - 1)
                 image = _robot(camera, truth.qpos[row])
                 if panel is not None:
-                    cut = shots.contours[i]
-                    lines: list[Line] = [(cut, cut.motor, BLUE, 2), (cut, cut.tool, ORANGE, 3)]
-                    lines = [(cut, cut.tool, None, 4)] if cut.is_part else lines
+                    lines = _lines(shots.contours[i], 2)
                     image = _beside(image, panel.draw(f"k = {run.k}", lines, until=time))
                 yield image
                 drawn()

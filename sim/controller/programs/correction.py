@@ -28,7 +28,7 @@ from ...robot.servo import correction_path
 from ..stored_correction import StoredCorrection
 from .program_text import Aim, Place, Point, ProgramText
 from .scanner import Text
-from .tool_path import STEP, Row, arcs_of, rows_of
+from .tool_path import STEP, Row, arcs_of, nearest_across, rows_of
 
 NEAR = 1e-3
 """Largest distance of a program from the path of the run [m]. ESTIMATE: above the chord error of
@@ -100,7 +100,9 @@ def corrected(program: ProgramText, spans: Sequence[tuple[Array, Array]], R: Arr
     if not (used := index >= 0).any():
         name = program.program.source
         raise InputError(f"{name} has no linear moves within {1e3 * NEAR:g} mm of the run's path")
-    foot, error = _feet(placed.path, index[used], goal[used])
+    reach = np.arange(-int(WINDOW / STEP), int(WINDOW / STEP) + 1)
+    near = np.clip(index[used, np.newaxis] + reach, 0, len(placed.path) - 1)
+    foot, error = nearest_across(placed.path, near, goal[used])
     N, points, turns = _basis(program, placed, foot, R)
     weight = (N.T @ N).diagonal()
     known = np.flatnonzero(weight > SUPPORT * weight.max())
@@ -190,17 +192,6 @@ def _tracked(placed: _Placed, run: Array, near: NDArray[np.int64], now: int) -> 
         if distance.min() < NEAR:
             now = found[k] = int(low + distance.argmin())
     return found
-
-
-def _feet(path: Array, at: NDArray[np.int64], goal: Array) -> tuple[NDArray[np.int64], Array]:
-    """Index of the nearest place around each, and the distance (K, 3) [m] across the path."""
-    reach = np.arange(-int(WINDOW / STEP), int(WINDOW / STEP) + 1)
-    window = np.clip(at[:, np.newaxis] + reach, 0, len(path) - 1)
-    distance = np.linalg.norm(path[window] - goal[:, np.newaxis], axis=2)
-    foot = window[np.arange(len(at)), distance.argmin(axis=1)]
-    error, tangent = goal - path[foot], np.gradient(path, axis=0)[foot]
-    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-15)
-    return foot, error - np.sum(error * tangent, axis=1, keepdims=True) * tangent
 
 
 def _basis(

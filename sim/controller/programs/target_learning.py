@@ -38,6 +38,7 @@ from ...robot.model import RobotModel
 from ...robot.recording import Recording
 from ...robot.run import cores, run_batch
 from ...robot.virtual_robot import LOG_PERIOD, VirtualRobot
+from .tool_path import nearest_across
 from .virtual_run import FINE, PlannedProgram, ProgramPlant, ProgramRun
 
 PROBE = 3e-4
@@ -108,15 +109,9 @@ def across(program: PlannedProgram, position: Array, run_time: Array, plan_time:
         end = stretch.start + stretch.timing.duration - SETTLED
         own = np.flatnonzero((motion.time > stretch.start) & (motion.time < end))
         s = np.linspace(0.0, stretch.length, int(stretch.length / step) + 2)
-        path = stretch.point(s)
-        tangent = np.gradient(path, axis=0)
-        tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
         here = np.searchsorted(s, stretch.arc_length(motion.time[own]))
         near = np.clip(here[:, np.newaxis] + reach, 0, len(s) - 1)
-        away = np.linalg.norm(path[near] - tool[own, np.newaxis], axis=2)
-        foot = near[np.arange(len(own)), away.argmin(axis=1)]
-        e, t = path[foot] - tool[own], tangent[foot]
-        error[own] = weight[own] * (e - np.sum(e * t, axis=1, keepdims=True) * t)
+        error[own] = -weight[own] * nearest_across(stretch.point(s), near, tool[own])[1]
     return error
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
 from armside.arrays import Array
@@ -107,6 +107,18 @@ class Row:
 def arc_lengths(path: Array) -> Array:
     """(K,) [m], along the chords of a path (K, 3) [m]."""
     return np.concatenate([[0.0], np.linalg.norm(np.diff(path, axis=0), axis=1).cumsum()])
+
+
+def nearest_across(
+    path: Array, near: NDArray[np.int64], points: Array
+) -> tuple[NDArray[np.int64], Array]:
+    """Of points (K, 3) [m], the nearest place of a path each among those near it (K, n), and the
+    vector (K, 3) [m] from there, across the path."""
+    distance = np.linalg.norm(path[near] - points[:, np.newaxis], axis=2)
+    foot = near[np.arange(len(points)), distance.argmin(axis=1)]
+    away, tangent = points - path[foot], np.gradient(path, axis=0)[foot]
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-15)
+    return foot, away - np.sum(away * tangent, axis=1, keepdims=True) * tangent
 
 
 def rows_of(program: ProgramText) -> list[Row]:

@@ -46,18 +46,6 @@ def test_a_state_arrives_bit_for_bit(wire, n, orientation):
     np.testing.assert_allclose(np.abs(got.quaternion @ sent.quaternion), 1.0, atol=1e-12)
 
 
-@pytest.mark.parametrize("time", [4, 999, 1000, 61_004])
-def test_the_clock_of_egm_is_in_seconds_and_microseconds(time):
-    """EgmClock: sec and usec; the time stamp of the header: milliseconds. Of State.time [ms]."""
-    wire = EgmWire()
-    message = wire._robot()
-    message.ParseFromString(wire.encode_state(state(time=time)))
-    for part in (message.feedBack, message.planned):
-        assert part.time.sec + 1e-6 * part.time.usec == pytest.approx(1e-3 * time, abs=1e-9)
-        assert part.time.usec < 1_000_000
-    assert message.header.tm == time
-
-
 @pytest.mark.parametrize(("wire", "additive"), [(EgmWire, False), (RsiWire, True)])
 def test_an_answer_arrives_bit_for_bit(wire, additive):
     to, values = state(), RNG.uniform(-5, 5, 6)
