@@ -169,7 +169,7 @@ def test_messages_of_rsi_have_the_elements_of_the_table(state):
     from armside.sim.controller import Answer
     from armside.sim.controller.rsi import RsiWire
 
-    sent = RsiWire().encode_answer(Answer(values=np.ones(6), additive=True), state)
+    sent = RsiWire().encode_answer(Answer(values=np.ones(6), additive=True), state.time)
     found = set()
     for root in map(ET.fromstring, (RsiWire().encode_state(state), sent)):
         found |= {f"{root.tag}.{name}" for name in root.attrib}
@@ -184,7 +184,7 @@ def test_messages_of_egm_have_the_fields_of_the_table(state):
     from armside.sim.controller.egm import EgmWire
 
     wire = EgmWire()
-    sent = wire.encode_answer(Answer(values=np.ones(7), additive=False), state)
+    sent = wire.encode_answer(Answer(values=np.ones(7), additive=False), state.time)
     robot, sensor = wire._robot, wire._sensor
     found = set()
 

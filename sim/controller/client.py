@@ -22,21 +22,16 @@ class Connection(Protocol):
 
     def answer(self, answer: Answer, to: State) -> None:
         """Answer a message."""
-        ...
 
     def begin(self) -> None:
         """A run begins: messages that wait are not those of this run."""
-        ...
 
 
 class Udp:
     """A link over UDP. The controller speaks first, to the address that this binds."""
 
     def __init__(self, wire: Wire, address: Address, patience: float) -> None:
-        self.additive = wire.additive
-        self.wrong = 0
-        """Datagrams that were no messages."""
-        self._wire, self._patience = wire, patience
+        self.additive, self._wire, self._patience = wire.additive, wire, patience
         self._controller: Address | None = None
         self._udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
@@ -49,8 +44,7 @@ class Udp:
     @property
     def address(self) -> Address:
         """Where the controller sends to."""
-        host, port = self._udp.getsockname()
-        return host, port
+        return self._udp.getsockname()
 
     def __enter__(self) -> "Udp":
         return self
@@ -78,7 +72,7 @@ class Udp:
     def answer(self, answer: Answer, to: State) -> None:
         if self._controller is not None:
             with suppress(BlockingIOError, ConnectionError):  # a lost message, as any other
-                self._udp.sendto(self._wire.encode_answer(answer, to), self._controller)
+                self._udp.sendto(self._wire.encode_answer(answer, to.time), self._controller)
 
     def _next(self) -> State | None:
         while True:
@@ -88,7 +82,6 @@ class Udp:
             except BlockingIOError:
                 return None
             except (WireError, ConnectionError):
-                self.wrong += 1
                 continue
             self._controller = sender
             return state

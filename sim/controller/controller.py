@@ -60,17 +60,14 @@ class VirtualController:
     on_end: Callable[[Recording, int], None] = lambda recording, missed: None
     """Called with the record of each run and the number of answers that it missed."""
     silence: int = SILENCE
-    phase: Phase = field(default=Phase.WAITING, init=False)
     missed: int = field(default=0, init=False)
     """Answers missing in this run."""
     refusals: list[str] = field(default_factory=list[str], init=False)
     """Reasons why answers were refused, of all runs, the first of each."""
     runs: int = field(default=0, init=False)
-    _number: int = field(default=0, init=False)
-    _cycles: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
-        model = self.loaded.model
+        model, self._number, self._cycles = self.loaded.model, 0, 0
         self._limits = self.limits or GuidanceLimits.of(model, self.cell)
         self._pose = kinematics.compile(self.cell.robot).pose
         # Code that a cycle is the first to call is compiled here: it would take seconds there.
@@ -93,9 +90,8 @@ class VirtualController:
         wrong = GuidanceLimits.of(model, cell).refusal(program.start, program.start)
         if wrong is not None:
             raise ValueError(f"start: {wrong}")
-        nominal = Statics(model)
-        robot = VirtualRobot(model, nominal=nominal)
-        loaded = robot.load(np.tile(program.start, (count, 1)))
+        nominal, reference = Statics(model), np.tile(program.start, (count, 1))
+        loaded = VirtualRobot(model, nominal=nominal).load(reference)
         return cls(loaded, cell, rng, guiding=nominal)
 
     @property
@@ -105,20 +101,19 @@ class VirtualController:
 
     def state(self) -> State:
         """The message of this cycle."""
-        run = self._run
-        measured = run.motor_angle
+        measured, planned = self._run.motor_angle, self._run.planned
         position, quaternion = self._place(measured)
         return State(
             number=self._number,
             time=round(1e3 * LOG_PERIOD) * self._cycles,
             phase=self.phase,
             joints=np.rad2deg(measured),
-            planned=np.rad2deg(run.planned),
+            planned=np.rad2deg(planned),
             position=position,
             quaternion=quaternion,
             missed=self.missed,
             resting=self._resting(),
-            programmed=self._place(run.planned),
+            programmed=self._place(planned),
         )
 
     def _place(self, phi: Array) -> tuple[Array, Array]:
@@ -138,18 +133,15 @@ class VirtualController:
             if answer.values is None:
                 self._leave()
                 return
-            correction = self._allowed(answer)
+            correction = self._allowed(np.deg2rad(answer.values), answer.additive)
         if self.phase is Phase.WAITING:
             if correction is None:
                 return
             self.phase = Phase.GUIDED
-        self._follow(correction)
-
-    def _follow(self, correction: Array | None) -> None:
         if self.phase is Phase.GUIDED:
             self._silent = 0 if correction is not None else self._silent + 1
             self.missed += correction is None
-            if self._silent >= self.silence:
+            if self.abandoned:
                 self._leave()
         if self.phase is Phase.STOPPING:
             correction = self._slowing()
@@ -157,69 +149,54 @@ class VirtualController:
             self._step = correction - self._correction
             self._correction = correction
         if self._run.finished or self._stopped():
-            self._end()
+            self.runs += 1
+            self.on_end(self._run.recording(), self.missed)
+            self._start()
             return
         self._run.advance(self._correction)
         self._cycles += 1
 
-    def _allowed(self, answer: Answer) -> Array | None:
+    def _allowed(self, values: Array, additive: bool) -> Array | None:
         """The correction (n,) [rad] of an answer within the limits, or None."""
-        assert answer.values is not None
-        correction, wrong = self._checked(np.deg2rad(answer.values), answer.additive)
+        run, limits, correction = self._run, self._limits, values
+        if values.shape != self._correction.shape:
+            wrong = limits.refusal(values, self._correction)
+        else:
+            correction = values if additive else values - run.planned
+            target = run.planned + values if additive else values
+            before = run.loaded.reference[max(run.sample - 1, 0)] + self._correction
+            wrong = limits.refusal(target, before)
+            if wrong is None and self.guiding is None:
+                wrong = limits.correction_refusal(correction)
         if wrong is None:
             return correction
         if wrong not in self.refusals and len(self.refusals) < MOST_REFUSALS:
             self.refusals.append(wrong)
         return None
 
-    def _checked(self, values: Array, additive: bool) -> tuple[Array, str | None]:
-        run, limits = self._run, self._limits
-        if values.shape != self._correction.shape:
-            return values, limits.refusal(values, self._correction)
-        correction = values if additive else values - run.planned
-        target = run.planned + values if additive else values
-        before = run.loaded.reference[max(run.sample - 1, 0)] + self._correction
-        wrong = limits.refusal(target, before)
-        if wrong is None and self.guiding is None:
-            wrong = limits.correction_refusal(correction)
-        return correction, wrong
-
     def _leave(self) -> None:
         if self.phase is Phase.GUIDED:
-            self.phase, self._slow = Phase.STOPPING, 0
+            self.phase, self._slow, self._last_step = Phase.STOPPING, 0, self._step
 
     def _slowing(self) -> Array:
         """The correction while the guided motion slows down to rest."""
         self._slow += 1
-        share = max(0.0, 1.0 - self._slow / STOPPING_CYCLES)
-        if self._slow == 1:
-            self._last_step = self._step.copy()
-        step = share * self._last_step
-        bounds = self._limits
-        planned = self._run.planned
-        target = np.clip(planned + self._correction + step, bounds.lower, bounds.upper)
-        return target - planned
+        step = max(0.0, 1.0 - self._slow / STOPPING_CYCLES) * self._last_step
+        bounds, planned = self._limits, self._run.planned
+        return np.clip(planned + self._correction + step, bounds.lower, bounds.upper) - planned
 
     def _stopped(self) -> bool:
         """A robot that stood still before it was guided is at rest again."""
         if self.phase is not Phase.STOPPING or self.guiding is None:
             return False
-        return self._slow > STOPPING_CYCLES and (
-            self._resting() or self._slow > STOPPING_CYCLES + REST_CYCLES
-        )
+        waited = self._slow - STOPPING_CYCLES
+        return waited > 0 and (self._resting() or waited > REST_CYCLES)
 
     def _resting(self) -> bool:
         return bool(np.abs(self._run.speed).max() < AT_REST)
 
-    def _end(self) -> None:
-        self.runs += 1
-        self.on_end(self._run.recording(), self.missed)
-        self._start()
-
     def _start(self) -> None:
         self._run = StreamedRun(self.loaded, self.rng, self.guiding)
-        n = self.loaded.model.n_axes
-        self._correction, self._step = np.zeros(n), np.zeros(n)
-        self._last_step = np.zeros(n)
-        self._silent = self._slow = self.missed = 0
+        self._correction = self._step = np.zeros(self.loaded.model.n_axes)
+        self._silent = self.missed = 0
         self.phase = Phase.WAITING

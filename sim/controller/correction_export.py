@@ -18,7 +18,8 @@ from armside.kinematics import Joint
 from armside.kinematics.rotation import to_quaternion
 
 from ..cell import Cell
-from .messages import Answer, Phase, State, Wire
+from ..records.tables import table_of
+from .messages import Answer, Wire
 from .plant import PERIOD
 from .rsi import RsiWire
 from .stored_correction import StoredCorrection
@@ -75,10 +76,8 @@ def joint_columns(joints: Array, form: Form, units: Sequence[str]) -> Columns:
 
 
 def tool_columns(joints: Array, cell: Cell) -> Columns:
-    """Position and unit quaternion of TCP0 in base axes, by the nominal kinematics at the angles.
-
-    Raises ValueError for another number of axes.
-    """
+    """Position and unit quaternion of TCP0 in base axes, by the nominal kinematics at the
+    angles."""
     if (n := len(cell.limits.lower)) != joints.shape[1]:
         raise ValueError(f"the robot has {n} axes and the correction {joints.shape[1]}")
     T_base_tool = kinematics.compile(cell.robot).pose(np.ascontiguousarray(joints))
@@ -99,9 +98,7 @@ def table(found: Columns, rate: float, about: Mapping[str, Any]) -> pa.Table:
     """Columns with `time` [s] before them, and JSON texts of what they are as metadata."""
     count = len(next(iter(found.values()))[1])
     timed = {"time": ("s", np.arange(count) / rate), **found}
-    fields = [pa.field(name, pa.float64(), metadata={"unit": u}) for name, (u, _) in timed.items()]
-    schema = pa.schema(fields, metadata={f"armside.{key}": text for key, text in about.items()})
-    return pa.Table.from_arrays([pa.array(v) for _, v in timed.values()], schema=schema)
+    return table_of(timed, {f"armside.{key}": text for key, text in about.items()})
 
 
 def _continuous(quaternion: Array) -> Array:
@@ -111,55 +108,28 @@ def _continuous(quaternion: Array) -> Array:
 
 
 def rsi_lines(correction: Array, beyond: Sequence[str] = ()) -> bytes:
-    """Corrections (M, n) [rad] for RSI, a sample each cycle.
-
-    One `Sen` element a line, with the axis corrections AKorr [deg]. IPOC counts from zero: a sender
-    replaces it by that of the message it answers.
-
-    beyond: what the gate has let through by its name, an XML comment each, in lines of their own
-    before the first message.
-    """
+    """Corrections (M, n) [rad] for RSI, a sample each cycle: one `Sen` element a line, AKorr in
+    [deg]. IPOC counts from zero: a sender replaces it. beyond: what the gate let through, a comment
+    each."""
     comments = "".join(f"<!-- {line} -->\n" for line in beyond)
-    return comments.encode() + b"".join(
-        line + b"\n" for line in _answers(RsiWire(), correction, additive=True)
-    )
+    return comments.encode() + b"".join(line + b"\n" for line in _answers(RsiWire(), correction))
 
 
 def egm_messages(joints: Array) -> bytes:
-    """Absolute angles (M, n) [rad] for EGM, a sample each cycle.
-
-    EgmSensor messages with joints [deg], each after its length as a protobuf varint, which
-    protobuf's own readers of delimited messages take. Time stamps count from zero, as for RSI.
-
-    Raises ImportError without protobuf.
-    """
+    """Absolute angles (M, n) [rad] for EGM, a sample each cycle: EgmSensor messages with joints
+    [deg], each after its length as a protobuf varint. Time stamps count from zero."""
     from .egm import EgmWire
 
-    found = _answers(EgmWire(), joints, additive=False)
-    return b"".join(varint(len(message)) + message for message in found)
+    return b"".join(varint(len(each)) + each for each in _answers(EgmWire(), joints))
 
 
-def _answers(wire: Wire, values: Array, *, additive: bool) -> Iterator[bytes]:
+def _answers(wire: Wire, values: Array) -> Iterator[bytes]:
     for i, row in enumerate(np.rad2deg(values)):
-        yield wire.encode_answer(Answer(values=row, additive=additive), _asked(i, row))
+        answer = Answer(values=row, additive=wire.additive)
+        yield wire.encode_answer(answer, round(1e3 * i * PERIOD))
 
 
 def varint(value: int) -> bytes:
     """A whole number >= 0, seven bits a byte, the lowest first."""
     low, rest = value & 0x7F, value >> 7
     return bytes([low | 0x80]) + varint(rest) if rest else bytes([low])
-
-
-def _asked(i: int, values: Array) -> State:
-    """The message of cycle i, of which answers repeat the time."""
-    return State(
-        number=i,
-        time=round(1e3 * i * PERIOD),
-        phase=Phase.GUIDED,
-        joints=values,
-        planned=values,
-        position=np.zeros(3),
-        quaternion=np.array([1.0, 0.0, 0.0, 0.0]),
-        missed=0,
-        resting=False,
-    )

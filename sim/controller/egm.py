@@ -17,6 +17,8 @@ AXES = 6
 """Joints of a robot message; those beyond are external joints. EgmJoints and EgmExternalJoints."""
 _STATES = {Phase.WAITING: 2, Phase.GUIDED: 3, Phase.STOPPING: 3}
 """EgmMCIState.MCIStateType: MCI_STOPPED and MCI_RUNNING."""
+REORDERED = 1000
+"""Sequence numbers by which a message may be late; one further back is of a client that begins."""
 
 
 class EgmWire:
@@ -27,8 +29,7 @@ class EgmWire:
     def __init__(self) -> None:
         self._robot, self._sensor, self._error = _messages()
         self._sequence = 0
-        self._heard = -1
-        self._echoes = False
+        self.forget()
 
     def encode_state(self, state: State) -> bytes:
         """EgmRobot. Angles in degrees, positions in millimetres."""
@@ -72,12 +73,12 @@ class EgmWire:
             resting=message.mciConvergenceMet,
         )
 
-    def encode_answer(self, answer: Answer, to: State) -> bytes:
+    def encode_answer(self, answer: Answer, time: int) -> bytes:
         """EgmSensor with absolute joints; without joints it ends the guidance."""
         message = self._sensor()
         self._sequence += 1
         message.header.seqno = self._sequence % 2**32
-        message.header.tm = to.time % 2**32
+        message.header.tm = time % 2**32
         message.header.mtype = 3  # MSGTYPE_CORRECTION
         if answer.values is not None:
             message.planned.joints.joints.extend(answer.values[:AXES].tolist())
@@ -85,10 +86,10 @@ class EgmWire:
         return message.SerializeToString()
 
     def decode_answer(self, datagram: bytes, to: State) -> Answer | None:
-        """Answer in an EgmSensor; None for one that came before. Raises WireError otherwise.
+        """Answer in an EgmSensor; None for one that came before.
 
-        A client that repeats the time stamp of the message in its own header is held to it: its
-        answer to an earlier message is late. EGM does not ask for that.
+        A client that repeats the time stamp of a message, which EGM does not ask for, is held to
+        it.
         """
         message = self._parsed(self._sensor, datagram)
         if not message.HasField("header"):
@@ -120,10 +121,6 @@ class EgmWire:
         return message
 
 
-REORDERED = 1000
-"""Sequence numbers by which a message may be late; one further back is of a client that begins."""
-
-
 def _joints(part: Any) -> Array:
     return np.array([*part.joints.joints, *part.externalJoints.joints], dtype=np.float64)
 
@@ -137,8 +134,6 @@ def _messages() -> tuple[Any, Any, Any]:
     pool = descriptor_pool.DescriptorPool()
     for file in described.file:
         pool.Add(file)
-    made = [
-        message_factory.GetMessageClass(pool.FindMessageTypeByName(f"abb.egm.{name}"))
-        for name in ("EgmRobot", "EgmSensor")
-    ]
-    return made[0], made[1], message.DecodeError
+    found = (pool.FindMessageTypeByName(f"abb.egm.{name}") for name in ("EgmRobot", "EgmSensor"))
+    robot, sensor = map(message_factory.GetMessageClass, found)
+    return robot, sensor, message.DecodeError

@@ -4,7 +4,7 @@ Exported corrections and paths pass it, and all that `StreamedPlant` sends. Each
 back has a name, by which it is let through: those of LIMITS, `range` and those of STATES.
 """
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Literal, get_args
 
@@ -49,13 +49,8 @@ def exceeded(
 ) -> dict[str, str]:
     """What a correction (N, n) [rad] exceeds, a sentence by its name; empty where nothing.
 
-    A robot begins without correction, so that a first sample that is not zero is a step.
-
-    Args:
-        period: time between samples [s].
-        path: r (N, n), which the correction is added to, and limits: of the robot, which the sum
-            is held to. None where they are not known.
-        slides: axes that slide, whose correction is in [m].
+    It is a step where it does not begin at zero. period: [s]. path: r (N, n), whose sum with it the
+    limits are held to. slides: axes that slide, whose correction is in [m].
     """
     found: dict[str, str] = {}
     u = np.vstack((np.zeros_like(correction[:1]), correction))
@@ -74,11 +69,8 @@ def exceeded(
     commanded, limits = path + correction, replace(limits, period=period)
     outside = map(limits.out_of_range, commanded)
     fast = map(limits.too_fast, commanded[1:], commanded[:-1])
-    checks: tuple[tuple[str, Iterable[str | None], int], ...]
-    checks = (("range", outside, 0), ("speed", fast, 1))
-    for name, each, first in checks:
-        wrong = next((f"sample {k}: {said}" for k, said in enumerate(each, first) if said), None)
-        if wrong is not None:
+    for name, each, first in (("range", outside, 0), ("speed", fast, 1)):
+        if wrong := next((f"sample {k}: {said}" for k, said in enumerate(each, first) if said), ""):
             found[name] = f"{found[name]}; {wrong}" if name in found else wrong
     return found
 

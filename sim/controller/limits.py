@@ -4,7 +4,7 @@ A target must be within the ranges of the joints, no further from the last one t
 limit allows, and slow enough near the end of a range to stop before it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -49,22 +49,20 @@ class GuidanceLimits:
     @classmethod
     def of_cell(cls, cell: "Cell") -> "GuidanceLimits":
         """Limits of a cell alone."""
-        lower, upper, speed = map(
-            np.array, (cell.limits.lower, cell.limits.upper, cell.limits.speed)
-        )
-        return cls(lower=lower, upper=upper, speed=speed, joints=cell.limits)
+        of = cell.limits
+        lower, upper, speed = map(np.array, (of.lower, of.upper, of.speed))
+        return cls(lower=lower, upper=upper, speed=speed, joints=of)
 
     @classmethod
-    def of(cls, model: "RobotModel", cell: "Cell | None" = None) -> "GuidanceLimits":
-        """Limits of a robot's model, and those of its cell where they are narrower."""
-        lower, upper = model.joint_range.T
-        speed = model.drives.speed_limit
-        if cell is not None:
-            lower = np.maximum(lower, cell.limits.lower)
-            upper = np.minimum(upper, cell.limits.upper)
-            speed = np.minimum(speed, cell.limits.speed)
-        joints = None if cell is None else cell.limits
-        return cls(lower=lower, upper=upper, speed=speed, joints=joints)
+    def of(cls, model: "RobotModel", cell: "Cell") -> "GuidanceLimits":
+        """The narrower limits of a robot's model and of its cell."""
+        (lower, upper), own = model.joint_range.T, cls.of_cell(cell)
+        return replace(
+            own,
+            lower=np.maximum(lower, own.lower),
+            upper=np.minimum(upper, own.upper),
+            speed=np.minimum(model.drives.speed_limit, own.speed),
+        )
 
     def refusal(self, target: Array, before: Array) -> str | None:
         """Why a target (n,) [rad] is refused that follows `before`; None if it is allowed."""

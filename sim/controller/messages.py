@@ -61,27 +61,21 @@ class WireError(ValueError):
 
 
 class Wire(Protocol):
-    """Messages of a protocol, both directions."""
+    """Messages of a protocol, both directions; `decode_*` raise WireError."""
 
     additive: bool
-    """Answers are added to the program; otherwise they are absolute angles."""
+    """As of its answers."""
 
-    def encode_state(self, state: State) -> bytes:
-        """Message of a controller's cycle."""
-        ...
+    def encode_state(self, state: State) -> bytes: ...
 
-    def decode_state(self, datagram: bytes) -> State:
-        """Message of a controller. Raises WireError."""
-        ...
+    def decode_state(self, datagram: bytes) -> State: ...
 
-    def encode_answer(self, answer: Answer, to: State) -> bytes:
-        """Answer to a message."""
+    def encode_answer(self, answer: Answer, time: int) -> bytes:
+        """Answer to the message of a time [ms]."""
         ...
 
     def decode_answer(self, datagram: bytes, to: State) -> Answer | None:
-        """Answer to the message `to`; None for a late or doubled one. Raises WireError."""
-        ...
+        """Answer to the message `to`; None for a late or doubled one."""
 
     def forget(self) -> None:
         """A run begins."""
-        ...

@@ -24,6 +24,10 @@ SETTLING = 50
 """Samples of rest before a path that the robot was moved to."""
 MOST_LOST = 0.1
 """Share of messages of one run that may be lost."""
+MOST_ASKED = 250
+"""Messages that ask for the answer to one sample."""
+MOST_WAITED = 100_000
+"""Messages until the robot is at rest."""
 
 
 class LostError(RuntimeError):
@@ -83,6 +87,19 @@ class StreamedPlant:
         check_names(self.beyond)
         self.check(np.zeros_like(self.path))
 
+    def check(self, correction: Array, path: Array | None = None) -> None:
+        """Raise ValueError for a correction (N, n) [rad] that may not be sent on a path (N, n)."""
+        path = self.path if path is None else path
+        if correction.shape != path.shape:
+            raise ValueError(f"correction must have shape {path.shape}, got {correction.shape}")
+        if not np.isfinite(path + correction).all():
+            raise ValueError("path and correction must be finite")
+        found = exceeded(correction, self.period, path=path, limits=self.limits)
+        try:
+            let_through(found, self.beyond)
+        except GateError as error:
+            raise GateError(f"{error}; nothing was sent") from None
+
     @records("correction")
     def run(self, correction: Array, /) -> Array:
         """Measured motor angles (N, n) [rad] of one run with u = correction (N, n) [rad].
@@ -90,34 +107,31 @@ class StreamedPlant:
         Raises TimeoutError when no controller speaks, LostError when it ends the run.
         """
         self.check(correction)
-        targets = self.path + correction
-        link = self.link
-        link.begin()
-        state = self._waiting()
-        if not link.additive:
-            state = self._move_to(targets[0], state)
-        return self._stream(correction if link.additive else targets, state)
-
-    def _stream(self, values: Array, state: State) -> Array:
-        """Send a sample for each message; samples follow from the controller's clock."""
-        count, missed = len(values), state.missed
-        measured = np.full(values.shape, np.nan)
-        last = state
-        for sample, last in self._answering(values, state, count - 1):
-            if sample >= count or (last.phase is Phase.WAITING and sample > 0):
+        values = correction if self.link.additive else self.path + correction
+        self.link.begin()
+        first = last = self._waiting()
+        if not self.link.additive:
+            first = self._move_to(values[0], first)
+        missed, measured = first.missed, np.full(values.shape, np.nan)
+        for sample, last in self._answering(values, first, len(values) - 1):
+            if sample >= len(values) or (last.phase is Phase.WAITING and sample > 0):
                 break
             measured[sample] = np.deg2rad(last.joints)
             missed = max(missed, last.missed)
-        self.link.answer(Answer(values=None, additive=self.link.additive), last)
+        self._answer(None, last)
         self.refused += missed
         return self._filled(measured)
 
+    def _answer(self, values: Array | None, to: State) -> None:
+        self.link.answer(Answer(values=values, additive=self.link.additive), to)
+
     def _answering(self, values: Array, state: State, last: int) -> Iterator[tuple[int, State]]:
-        """Samples and their messages, answered by values (N, n) [rad], until sample `last`."""
+        """Samples by the controller's clock and their messages, answered by values (N, n) [rad],
+        until sample `last`."""
         sent, start, sample, asked = np.rad2deg(values), state.time, 0, 0
         yield sample, state
         while sample < last:
-            self.link.answer(Answer(values=sent[sample], additive=self.link.additive), state)
+            self._answer(sent[sample], state)
             before = sample
             state, sample = self._next(state, start, sample)
             asked = asked + 1 if sample == before else 0
@@ -138,17 +152,11 @@ class StreamedPlant:
                 return following, ahead
 
     def _filled(self, measured: Array) -> Array:
-        there = np.isfinite(measured[:, 0])
-        share = 1.0 - float(there.mean())
-        self.lost += int((~there).sum())
-        if share > MOST_LOST:
-            raise LostError(
-                f"{(~there).sum()} of {len(there)} messages of the controller were lost"
-            )
-        at = np.arange(len(measured))
-        for axis in range(measured.shape[1]):
-            measured[:, axis] = np.interp(at, at[there], measured[there, axis])
-        return measured
+        there, at = np.isfinite(measured[:, 0]), np.arange(len(measured))
+        self.lost += (lost := int((~there).sum()))
+        if 1.0 - float(there.mean()) > MOST_LOST:
+            raise LostError(f"{lost} of {len(there)} messages of the controller were lost")
+        return np.column_stack([np.interp(at, at[there], own) for own in measured[there].T])
 
     def _waiting(self) -> State:
         """A message of the robot at rest at its start."""
@@ -159,7 +167,7 @@ class StreamedPlant:
                     axes = f"{len(state.joints)} axes, the path has {self.path.shape[1]}"
                     raise ValueError(f"the controller's robot has {axes}")
                 return state
-            self.link.answer(Answer(values=None, additive=self.link.additive), state)
+            self._answer(None, state)
         raise LostError("the controller does not come to rest")
 
     def _move_to(self, target: Array, state: State) -> State:
@@ -168,42 +176,20 @@ class StreamedPlant:
         away = target - start
         if np.abs(away).max() <= AT_START:
             return state
-        speed = APPROACH * (self.limits.speed if self.limits else np.full(len(away), 1.0))
+        speed = APPROACH * (self.limits.speed if self.limits else 1.0)
         seconds = 0.5 * np.pi * float((np.abs(away) / speed).max())
         count = max(2, int(np.ceil(seconds / self.period)))
         share = 0.5 - 0.5 * np.cos(np.pi * np.arange(1, count + 1) / count)
         way = np.vstack((start + share[:, None] * away, np.tile(target, (SETTLING, 1))))
-        self._check(way, np.zeros_like(way))
+        self.check(np.zeros_like(way), way)
         *_, (_, last) = self._answering(way, state, len(way))
         return last
-
-    def check(self, correction: Array) -> None:
-        """Raise ValueError for a correction (N, n) [rad] that `run` would not send."""
-        if correction.shape != (shape := self.path.shape):
-            raise ValueError(f"correction must have shape {shape}, got {correction.shape}")
-        self._check(self.path, correction)
-
-    def _check(self, path: Array, correction: Array) -> None:
-        if not np.isfinite(path + correction).all():
-            raise ValueError("path and correction must be finite")
-        found = exceeded(correction, self.period, path=path, limits=self.limits)
-        try:
-            let_through(found, self.beyond)
-        except GateError as error:
-            raise GateError(f"{error}; nothing was sent") from None
-
-
-MOST_ASKED = 250
-"""Messages that ask for the answer to one sample."""
-MOST_WAITED = 100_000
-"""Messages until the robot is at rest."""
 
 
 def program_of(link: Connection, seconds: float = 600.0) -> Array:
     """The controller's program (N, n) [rad], listened to in one run without correction.
 
-    Raises TimeoutError when no controller speaks, LostError for a program that does not move or
-    end.
+    Raises TimeoutError when no controller speaks, LostError when it does not move or end.
     """
     link.begin()
     state = link.receive()

@@ -18,16 +18,13 @@ from .messages import Answer, Phase, State, WireError
 
 CLIENT = "ImFree"
 """Name of the sensor system, SENTYPE in KUKA's example."""
-_PLACE = ("X", "Y", "Z", "A", "B", "C")
+_TAGS, _PLACE = ("Digout", "RIst", "Delay"), ("X", "Y", "Z", "A", "B", "C")
 _NUMBER = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?\s*\Z", re.ASCII)
 
 
 class RsiWire:
-    """Both directions of RSI with axis corrections.
-
-    Corrections are absolute (they replace each other), or relative (they add up), as the object
-    AXISCORR of a controller is configured.
-    """
+    """Both directions of RSI with axis corrections, absolute or relative (they add up), as the
+    object AXISCORR of a controller is configured."""
 
     additive = True
 
@@ -59,32 +56,31 @@ class RsiWire:
         joints, planned = _values(root, "AIPos"), _values(root, "ASPos")
         if joints is None:
             raise WireError("a Rob has measured axes, AIPos")
-        digital, place = root.find("Digout"), root.find("RIst")
-        guided = digital is not None and digital.get("o1", "0").strip() in ("1", "1.0", "TRUE")
-        resting = digital is not None and digital.get("o2", "0").strip() in ("1", "1.0", "TRUE")
-        delay = root.find("Delay")
-        ipoc = _stamp(root)
-        where = [0.0] * 6 if place is None else [_number(place.get(axis, "0")) for axis in _PLACE]
+        digital, place, delay = ({} if (e := root.find(tag)) is None else e.attrib for tag in _TAGS)
+        on = [digital.get(name, "0").strip() in ("1", "1.0", "TRUE") for name in ("o1", "o2")]
+        ipoc, where = _stamp(root), [_number(place.get(axis, "0")) for axis in _PLACE]
         return State(
             number=ipoc // 4,
             time=ipoc,
-            phase=Phase.GUIDED if guided else Phase.WAITING,
+            phase=Phase.GUIDED if on[0] else Phase.WAITING,
             joints=joints,
             planned=joints if planned is None else planned,
             position=np.array(where[:3]),
             quaternion=_quaternion(where[3:]),
-            missed=0 if delay is None else int(_number(delay.get("D", "0"))),
-            resting=resting,
+            missed=int(_number(delay.get("D", "0"))),
+            resting=on[1],
         )
 
-    def encode_answer(self, answer: Answer, to: State) -> bytes:
+    def encode_answer(self, answer: Answer, time: int) -> bytes:
         """Sen with the axis correction and the IPOC of the message it answers."""
-        root = ET.Element("Sen", Type=CLIENT)
-        if answer.values is None:
+        root, values = ET.Element("Sen", Type=CLIENT), answer.values
+        if values is None:
             ET.SubElement(root, "EStr").text = "Error: the guidance is over"
         else:
-            ET.SubElement(root, "AKorr", _axes(self._sent(answer.values)))
-        ET.SubElement(root, "IPOC").text = str(to.time)
+            step = values if self._sum is None or not self._relative else values - self._sum
+            self._sum = values
+            ET.SubElement(root, "AKorr", _axes(step))
+        ET.SubElement(root, "IPOC").text = str(time)
         return ET.tostring(root, encoding="utf-8")
 
     def decode_answer(self, datagram: bytes, to: State) -> Answer | None:
@@ -108,13 +104,6 @@ class RsiWire:
     def forget(self) -> None:
         """A run begins: corrections that add up begin at zero."""
         self._sum = None
-
-    def _sent(self, values: Array) -> Array:
-        if not self._relative:
-            return values
-        before = np.zeros_like(values) if self._sum is None else self._sum
-        self._sum = values
-        return values - before
 
 
 def _axes(values: Array) -> dict[str, str]:
@@ -160,10 +149,7 @@ def _stamp(root: ET.Element) -> int:
 
 
 def _abc(quaternion: Array) -> tuple[float, float, float]:
-    """KUKA's A, B, C [deg]: turns about z, y and x, from a quaternion, w first.
-
-    Where the y turn is 90 degrees, C is zero.
-    """
+    """KUKA's A, B, C [deg]: turns about z, y and x; C is zero where the y turn is 90 degrees."""
     R = np.empty(9)
     mujoco.mju_quat2Mat(R, quaternion)
     across = math.hypot(R[0], R[3])

@@ -23,15 +23,15 @@ that are real-time themselves."""
 
 @contextmanager
 def real_time() -> Iterator[bool]:
-    """This thread before all ordinary ones, where the system allows it: yields whether it does.
-
-    Python's garbage collector is off, as it takes up to a cycle; call `gc.collect` between runs.
-    Both are as before at the end.
-    """
-    collecting = gc.isenabled()
+    """This thread before all ordinary ones, where the system allows it, and without Python's
+    collection of garbage, which takes up to a cycle: call `gc.collect` between runs."""
+    collecting, before = gc.isenabled(), None
     gc.collect()
     gc.disable()
-    before = _prioritised()
+    with suppress(AttributeError, OSError):  # not on this system, or not allowed
+        ordinary = os.sched_getscheduler(0), os.sched_getparam(0)
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
+        before = ordinary
     try:
         yield before is not None
     finally:
@@ -39,18 +39,6 @@ def real_time() -> Iterator[bool]:
             os.sched_setscheduler(0, *before)
         if collecting:
             gc.enable()
-
-
-def _prioritised() -> "tuple[int, os.sched_param] | None":
-    """Scheduling of this thread before it was given priority; None where that is not allowed."""
-    if not hasattr(os, "SCHED_FIFO"):
-        return None
-    before = os.sched_getscheduler(0), os.sched_getparam(0)
-    try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
-    except OSError:
-        return None
-    return before
 
 
 Address = tuple[str, int]
@@ -86,10 +74,11 @@ class Server:
     """[s], the longest that a cycle began after its time, in real time."""
     prioritised: bool | None = field(default=None, init=False)
     """The system gave the thread the priority of real time; None where it was not asked."""
-    _sender: Address = field(default=("", 0), init=False, repr=False)
-    """Of the last datagram."""
     _before: State | None = field(default=None, init=False, repr=False)
     """Message of the last cycle."""
+
+    def __post_init__(self) -> None:
+        self._sender = self.client  # of the last datagram
 
     def serve(self, until: Callable[[], bool]) -> None:
         """Send and receive until `until()` holds, asked each cycle. Raises OSError."""
@@ -106,7 +95,8 @@ class Server:
         waiting = controller.phase is Phase.WAITING
         state = controller.state()
         overdue = self._overdue(udp)
-        _send(udp, self.wire.encode_state(state), self.client)
+        with suppress(BlockingIOError, ConnectionError):  # a lost message, as any other
+            udp.sendto(self.wire.encode_state(state), self.client)
         controller.ahead()
         if self.real_time:
             tick += 1e-3 * CYCLE_MS
@@ -127,10 +117,8 @@ class Server:
         return tick
 
     def _overdue(self, udp: socket.socket) -> Answer | None:
-        """Counts answers that came after their cycle; the newest, if it may serve the next one.
-
-        Corrections belong to their place on the path, and are not used later.
-        """
+        """Counts answers that came after their cycle; the newest serves the next one, if it is
+        absolute."""
         datagrams = self._received(udp)
         if not self.real_time or self._before is None:
             self.late += len(datagrams)
@@ -180,11 +168,6 @@ class Server:
                 self._sender = sender
                 found.append(datagram)
         return found
-
-
-def _send(udp: socket.socket, datagram: bytes, to: Address) -> None:
-    with suppress(BlockingIOError, ConnectionError):  # a lost message, as any other
-        udp.sendto(datagram, to)
 
 
 def resolved(host: str, port: int) -> Address:

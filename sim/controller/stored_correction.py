@@ -14,7 +14,7 @@ from armside.ilc.workbench.words import Words
 from ..notes import GROWTH
 from ..records.files import InputError, reading
 from ..records.stored_run import StoredRun
-from ..records.tables import float_columns, read_table
+from ..records.tables import float_columns, floats, numbered, read_table
 from .gate import STATES
 
 REFERENCE = "reference.csv"
@@ -92,8 +92,10 @@ def ended(summary: Mapping[str, Any], k: int) -> dict[str, str]:
 
 
 def _of_learn(run: StoredRun, law: str | None) -> StoredCorrection:
-    rows = list({(row["law"], row["noise"]): row for row in reversed(run.summary["laws"])}.values())
-    rows.reverse()  # the first repetition of each law and noise level, in their order
+    first: dict[Any, dict[str, Any]] = {}  # repetition of each law and noise level
+    for row in run.summary["laws"]:
+        first.setdefault((row["law"], row["noise"]), row)
+    rows = list(first.values())
     names = list(dict.fromkeys(row["law"] for row in rows))
     if law is None and len(names) > 1:
         raise InputError(f"{run.folder} has several laws, give one: {', '.join(names)}")
@@ -105,24 +107,22 @@ def _of_learn(run: StoredRun, law: str | None) -> StoredCorrection:
     if signal.time is None:
         raise InputError(f"{file} has no column time")
     robot, unit = _robot(run.summary["config"])
+    row, states = rows[at], dict[str, str]()
+    if row["diverged"]:
+        states[DIVERGED] = "learning diverged"
+    if (tool := row.get("arm_rms")) and not tool[-1] <= GROWTH * tool[0]:
+        text = f"RMS {1e6 * tool[0]:.4g} to {1e6 * tool[-1]:.4g} um"
+        states["worse"] = f"learning made the tool worse: {text}"
     return StoredCorrection(
         correction=signal.values,
         reference=reference.values,
         sample_time=float(signal.time[1] - signal.time[0]),
-        k=rows[at]["first_k"] + len(rows[at]["error_two"]) - 1,
+        k=row["first_k"] + len(row["error_two"]) - 1,
         robot=robot,
         unit=unit,
-        law=rows[at]["law"],
-        ended=_ended_of_law(rows[at]),
+        law=row["law"],
+        ended=states,
     )
-
-
-def _ended_of_law(row: dict[str, Any]) -> dict[str, str]:
-    found = {DIVERGED: "learning diverged"} if row["diverged"] else {}
-    if (tool := row.get("arm_rms")) and not tool[-1] <= GROWTH * tool[0]:
-        text = f"RMS {1e6 * tool[0]:.4g} to {1e6 * tool[-1]:.4g} um"
-        found["worse"] = f"learning made the tool worse: {text}"
-    return found
 
 
 def _robot(config: dict[str, Any]) -> tuple[str | None, str]:
@@ -136,25 +136,17 @@ def _robot(config: dict[str, Any]) -> tuple[str | None, str]:
     return None, "rad" if name in OF_ANGLES else "1"
 
 
-PREFIXES = ("correction", "u")
-"""Names of the columns, before their numbers from 1."""
-
-
 def read_correction(file: Path) -> CsvSignal:
-    """Columns correction_1, correction_2, ... (or u_1, ...) of a CSV, MAT, HDF5 or Parquet file,
-    and time [s] if it has that.
-
-    Raises InputError for other columns, values that are missing, or a time that does not increase.
-    """
+    """Columns correction_1, ... (or u_1, ...), and time [s] if it has that, of a CSV, MAT, HDF5 or
+    Parquet file. Raises InputError for other columns, missing values, a time that does not
+    increase."""
     table = read_table(file)
-    names = table.column_names
-    prefix = next((p for p in PREFIXES if f"{p}_1" in names), None)
-    if prefix is None:
-        found = ", ".join(names[:4])
+    names = numbered(table, "correction_{}") or numbered(table, "u_{}")
+    if not names:
+        found = ", ".join(table.column_names[:4])
         raise InputError(f"{file} holds no correction: no column correction_1, but {found}")
-    n = next(i for i in range(1, len(names) + 2) if f"{prefix}_{i}" not in names) - 1
-    values = float_columns(table, [f"{prefix}_{i + 1}" for i in range(n)])
-    time = float_columns(table, ["time"])[:, 0] if "time" in names else None
+    values = float_columns(table, names)
+    time = floats(table, "time") if "time" in table.column_names else None
     if not np.isfinite(values).all():
         raise InputError(f"{file}: values of the correction are missing or not finite")
     if time is not None:

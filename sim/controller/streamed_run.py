@@ -5,7 +5,7 @@ with the whole correction known: noise is drawn before the start, the correction
 to the servo, and a sample acts only after the correction's delay, which is longer than a period.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -14,17 +14,16 @@ from armside.arrays import Array
 
 from ..robot.drives import friction_torque
 from ..robot.recording import Recording
-from ..robot.run import LoadedReference, Noise, measured_angle, recorded
+from ..robot.run import LoadedReference, measured_angle, recorded
 from ..robot.servo import CorrectionTiming, Setpoints, extend_path
 from ..robot.statics import Statics
+
+_FULL_STATE = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
 
 
 @dataclass
 class StreamedRun:
-    """A run in progress. `advance` takes the correction of one sample and runs one period.
-
-    Raises ValueError for a robot whose correction acts within one period.
-    """
+    """A run in progress. `advance` takes the correction of one sample and runs one period."""
 
     loaded: LoadedReference
     rng: np.random.Generator | None = None
@@ -33,8 +32,6 @@ class StreamedRun:
     A robot that stands still until it is guided needs one."""
     sample: int = 0
     """Log sample that the robot has reached."""
-    _path: Setpoints = field(init=False, repr=False)
-    _noise: Noise = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         loaded, model = self.loaded, self.loaded.model
@@ -43,20 +40,23 @@ class StreamedRun:
                 f"a correction can be streamed when it acts after {loaded.log_period:g} s or more, "
                 f"that of this robot acts after {model.drives.correction_delay:g} s"
             )
-        rows = len(loaded.controls)
+        rows, still, drives = len(loaded.controls), np.zeros(model.n_axes), model.drives
         self._noise = loaded.noise(self.rng)
-        self._path = Setpoints(
-            position=np.empty((rows, model.n_axes)), velocity=np.empty((rows, model.n_axes))
+        position, velocity = np.empty((2, rows, model.n_axes))
+        self._path = Setpoints(position=position, velocity=velocity)
+        self._timing = CorrectionTiming(
+            loaded.log_period, loaded.ratio, drives.correction_delay, drives.correction_lag
         )
         self._correction = np.zeros_like(loaded.reference)
         self._controls = np.empty_like(loaded.controls)
         self._states = np.empty((rows, len(loaded.initial_state)))
         self._sensors = np.empty((rows, model.mj.nsensordata))
         self._reached = self._written = 0
-        self._rest_torque = None if self.guiding is None else self._rigid(loaded.reference[0])
-        self._guided_torque = np.zeros(model.n_axes)
+        self._guided_torque = self._at_rest = still
+        if self.guiding is not None:
+            self._at_rest = self._rigid(self.guiding, loaded.reference[0], still, still)
         self._data = mujoco.MjData(model.mj)
-        mujoco.mj_setState(model.mj, self._data, loaded.initial_state, int(_FULL_STATE))
+        mujoco.mj_setState(model.mj, self._data, loaded.initial_state, _FULL_STATE)
         self._extend(1)
 
     @property
@@ -91,10 +91,8 @@ class StreamedRun:
     def ahead(self) -> None:
         """Run the period after this sample now, where a correction acts after two periods or more.
 
-        Not after the first sample, whose correction is held from the beginning. `advance` then
-        takes the correction alone, and signals stay those of this sample until it does.
-
-        Raises ArithmeticError when the physics is unstable.
+        Not after the first sample. `advance` then takes the correction alone, and signals stay as
+        they are until it does.
         """
         loaded = self.loaded
         late_enough = 2.0 * loaded.log_period + loaded.model.timestep
@@ -106,10 +104,8 @@ class StreamedRun:
             self._step(self.loaded.ratio)
 
     def advance(self, correction: Array) -> None:
-        """Run one period with u (n,) [rad] of this sample.
-
-        Raises RuntimeError when the run is finished, ArithmeticError when the physics is unstable.
-        """
+        """Run one period with u (n,) [rad] of this sample; ArithmeticError when the physics is
+        unstable."""
         if self.finished:
             raise RuntimeError("the run is finished")
         self._correction[self.sample] = correction
@@ -121,12 +117,10 @@ class StreamedRun:
         whole = self.finished
         if whole and self._reached < len(self._states):
             self._step(1)
-        rows = self._reached if whole else self._row
-        loaded, samples = self.loaded, self.sample + whole
-        encoder = self._noise.encoder
+        rows, encoder = self._reached if whole else self._row, self._noise.encoder
         return recorded(
-            loaded,
-            self._correction[:samples],
+            self.loaded,
+            self._correction[: self.sample + whole],
             self._controls[:rows],
             None if encoder is None else encoder[:rows],
             self._states[:rows],
@@ -141,7 +135,7 @@ class StreamedRun:
         for row, ctrl in zip(range(rows.start, rows.stop), controls, strict=True):
             data.ctrl[:] = ctrl
             mujoco.mj_step(mj, data)
-            mujoco.mj_getState(mj, data, self._states[row], int(_FULL_STATE))
+            mujoco.mj_getState(mj, data, self._states[row], _FULL_STATE)
             self._sensors[row] = data.sensordata
         if not np.isfinite(self._states[rows]).all() or data.time < 0.5 * mj.opt.timestep:
             raise ArithmeticError(f"the physics is unstable at {rows.stop * mj.opt.timestep:.3f} s")
@@ -149,12 +143,8 @@ class StreamedRun:
 
     def _extend(self, stop: int) -> None:
         """Take the correction's path to row `stop` (exclusive)."""
-        loaded, drives = self.loaded, self.loaded.model.drives
-        timing = CorrectionTiming(
-            loaded.log_period, loaded.ratio, drives.correction_delay, drives.correction_lag
-        )
         rows = self._written, min(stop, len(self._states))
-        extend_path(self._path, self._correction, rows, timing)
+        extend_path(self._path, self._correction, rows, self._timing)
         self._written = rows[1]
 
     def _controls_of(self, rows: slice) -> Array:
@@ -164,8 +154,8 @@ class StreamedRun:
         position = path.position[rows]
         velocity = path.velocity[np.minimum(ahead, len(self._states) - 1)]
         loaded.add(controls, rows, position, velocity, self._noise)
-        if self._rest_torque is not None:
-            controls[:, :, 2] += self._guided(rows, self._rest_torque) / drives.gear
+        if self.guiding is not None:
+            controls[:, :, 2] += self._guided(self.guiding, rows) / drives.gear
             if (gear_error := loaded.model.gear_error) is not None:
                 start = loaded.reference[0]
                 change = gear_error(start + position) - gear_error(start[None])
@@ -173,32 +163,24 @@ class StreamedRun:
                 controls[:, :, 1] += drives.gear * gear_error.rate(start + position, velocity)
         return controls.reshape(len(controls), -1)
 
-    def _guided(self, rows: slice, rest: Array) -> Array:
+    def _guided(self, guiding: Statics, rows: slice) -> Array:
         """(m, n) [N m], arm side: change of the rigid torque since rest, linear over a period."""
         path, period = self._path, self.loaded.log_period
         before, after = path.velocity[rows.start], path.velocity[rows.stop - 1]
         position = self.loaded.reference[0] + path.position[rows.stop - 1]
-        torque = self._rigid(position, after, (after - before) / period) - rest
+        torque = self._rigid(guiding, position, after, (after - before) / period) - self._at_rest
         share = np.arange(1, rows.stop - rows.start + 1)[:, None] / (rows.stop - rows.start)
         ramp = self._guided_torque + share * (torque - self._guided_torque)
         self._guided_torque = torque
         return ramp
 
-    def _rigid(
-        self, phi: Array, phi_dot: Array | None = None, phi_ddot: Array | None = None
-    ) -> Array:
-        assert self.guiding is not None
-        still, drives = np.zeros_like(phi), self.guiding.model.drives
-        speed = still if phi_dot is None else phi_dot
-        bend = still if phi_ddot is None else phi_ddot
-        forces = self.guiding.rigid_forces(phi[None], speed[None], bend[None])
-        torque = self.guiding.motor_torque(forces)[0]
+    def _rigid(self, guiding: Statics, phi: Array, phi_dot: Array, phi_ddot: Array) -> Array:
+        drives = guiding.model.drives
+        forces = guiding.rigid_forces(phi[None], phi_dot[None], phi_ddot[None])
+        torque = guiding.motor_torque(forces)[0]
         if drives.friction_feedforward > 0.0:
-            torque = torque + friction_torque(drives, speed[None])[0]
+            torque = torque + friction_torque(drives, phi_dot[None])[0]
         return drives.torque_feedforward * torque
 
     def _state_before(self, row: int) -> Array:
         return self.loaded.initial_state if row == 0 else self._states[row - 1]
-
-
-_FULL_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS

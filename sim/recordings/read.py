@@ -3,9 +3,19 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import pyarrow.compute as pc
+
+from armside.arrays import check_recorded_time
+
 from ..records.files import LARGEST_DATA, check_file
+from ..records.stored_run import read_run
+from ..records.tables import float_columns, read_table
 from .bags import BagTopics
+from .bags.bag import motion_of_bag, poses_of_bag
+from .bags.messages import is_bag
+from .published import is_aubo, is_irb120, is_ur10, read_aubo, read_irb120, read_ur10
 from .recorded_motion import MotionRecording, PoseRecording, Stream
+from .tables import COLUMNS, has_motion_tables, read_motion_tables, read_pose_table
 
 FIRST = 0
 """Iteration of a run that is read: later ones are corrected by what was learned."""
@@ -14,25 +24,15 @@ Reader = Callable[[Path], MotionRecording]
 
 def is_motion(source: Path) -> bool:
     """True for what looks like a recording of a known form."""
-    from .bags.messages import is_bag
-
     return is_bag(source) or (source.is_dir() and _reader(source) is not None)
 
 
 def read_motion(source: Path, topics: BagTopics = BagTopics()) -> MotionRecording:
-    """Recording: a folder of tables, a bag, a run of armside, or a published set.
+    """Recording in a folder of tables, a bag, a run of armside, or a published set.
 
-    Args:
-        source: folder, or file of a bag.
-        topics: of a bag.
-
-    Raises:
-        ValueError: of no known form, or damaged; the message names file and place.
-        OSError: a file cannot be read.
+    topics: of a bag. Raises ValueError, with file and place, for data of no known form, or damaged;
+    OSError where a file cannot be read.
     """
-    from .bags.bag import motion_of_bag
-    from .bags.messages import is_bag
-
     if is_bag(source):
         return motion_of_bag(source, topics)
     _refuse_topics(source, topics)
@@ -50,9 +50,6 @@ def read_motion(source: Path, topics: BagTopics = BagTopics()) -> MotionRecordin
 
 
 def _reader(folder: Path) -> Reader | None:
-    from .published import is_aubo, read_aubo
-    from .tables import has_motion_tables, read_motion_tables
-
     if is_aubo(folder):
         return read_aubo
     if (folder / "signals.parquet").is_file() and (folder / "summary.json").is_file():
@@ -61,12 +58,7 @@ def _reader(folder: Path) -> Reader | None:
 
 
 def read_run_motion(folder: Path) -> MotionRecording:
-    """Encoders, IMU and laser tracker of a run's k = 0: its sensors, never the ground truth.
-
-    Raises ValueError for a damaged folder.
-    """
-    from ..records.stored_run import read_run
-
+    """Encoders, IMU and laser tracker of a run's k = 0: its sensors, never the ground truth."""
     run = next((run for run in read_run(folder).signals.runs if run.k == FIRST), None)
     if run is None:
         raise ValueError(f"{folder} has no run k = {FIRST}")
@@ -84,17 +76,9 @@ def read_run_motion(folder: Path) -> MotionRecording:
 
 
 def _imu(file: Path) -> Stream | None:
-    import pyarrow.compute as pc
-
-    from armside.arrays import check_recorded_time
-
-    from ..records.tables import float_columns, read_table
-    from .tables import COLUMNS
-
     if not file.is_file():
         return None
-    table = read_table(file)
-    table = table.filter(pc.field("k") == FIRST)
+    table = read_table(file).filter(pc.field("k") == FIRST)
     values = float_columns(table, [f"imu_{name}" for name in COLUMNS["imu"]])
     time = float_columns(table, ["imu_time"])[:, 0]
     check_recorded_time(file.name, time)
@@ -102,21 +86,7 @@ def _imu(file: Path) -> Stream | None:
 
 
 def read_poses(data: Path, topics: BagTopics = BagTopics()) -> PoseRecording:
-    """Poses of a table, a bag, or a published set.
-
-    Args:
-        data: file or folder.
-        topics: of a bag.
-
-    Raises:
-        ValueError: the data are of no known form, or damaged; the message names file and place.
-        OSError: a file cannot be read.
-    """
-    from .bags.bag import poses_of_bag
-    from .bags.messages import is_bag
-    from .published import is_irb120, is_ur10, read_irb120, read_ur10
-    from .tables import read_pose_table
-
+    """Poses of a table, a bag, or a published set. topics and errors: as of `read_motion`."""
     if not data.exists():
         raise ValueError(f"{data} does not exist")
     if is_bag(data):

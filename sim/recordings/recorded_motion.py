@@ -85,12 +85,7 @@ def check_range(
 ) -> None:
     """Refuse motor angles (N, n) [rad, arm side] far beyond their limits, or `TURNS` without any.
 
-    Args:
-        signal: name of the columns before their numbers.
-        rows: (N,) numbers of the rows from 0, of a part of a table.
-
-    Raises:
-        ValueError: names column, row and value.
+    Raises ValueError with column (`signal` and its number), row (of `rows` from 0) and value.
     """
     bound = np.full(angles.shape[1], TURNS)
     if limits is not None:
@@ -127,14 +122,9 @@ LARGEST = 1e6
 
 
 def repaired(name: str, time: Array, values: Array) -> tuple[Stream, tuple[str, ...]]:
-    """Stream without repeated stamps, missing values and spikes, and what was dropped.
+    """Stream (N,) [s], (N, m) without repeated stamps, missing values (NaN) and spikes, and notes.
 
-    Args:
-        name: of the instrument, for notes and errors.
-        time: (N,) [s]. values: (N, m), NaN where missing.
-
-    Raises:
-        ValueError: too short or long, too much missing, or a clock that runs backwards.
+    Raises ValueError where it is too short or long, lacks too much, or its clock runs backwards.
     """
     if len(time) < FEWEST:
         raise ValueError(f"{name}: {len(time)} samples; at least {FEWEST} are needed")
@@ -157,25 +147,20 @@ def repaired(name: str, time: Array, values: Array) -> tuple[Stream, tuple[str, 
     kept = _without_spikes(time, values)
     _refuse_most(name, "lie off their neighbours", ~kept)
     stream = Stream(time[kept], values[kept])
-    return stream, _notes(name, stream, (~whole).sum(), (~forward).sum(), (~kept).sum())
+    faults = ("not finite", "with a repeated or older stamp", "off their neighbours")
+    lost = [(int((~own).sum()), f) for own, f in zip((whole, forward, kept), faults, strict=True)]
+    said = ", ".join(f"{number} {fault}" for number, fault in lost if number)
+    notes = [f"{name}: samples dropped: {said}"] if said else []
+    steps = np.diff(stream.time)
+    if len(gaps := steps[steps > GAP * np.median(steps)]):
+        longest = f"the longest {1e3 * gaps.max():.0f} ms"
+        notes.append(f"{name}: {len(gaps)} gaps are bridged, {longest}")
+    return stream, tuple(notes)
 
 
 def _refuse_most(name: str, fault: str, bad: NDArray[np.bool_]) -> None:
     if bad.mean() > LOST:
         raise ValueError(f"{name}: {100 * bad.mean():.0f} % of the samples {fault}")
-
-
-def _notes(name: str, stream: Stream, missing: int, repeated: int, spikes: int) -> tuple[str, ...]:
-    steps = np.diff(stream.time)
-    gaps = steps[steps > GAP * np.median(steps)]
-    counts = {"not finite": missing, "with a repeated or older stamp": repeated}
-    counts["off their neighbours"] = spikes
-    said = [f"{number} {fault}" for fault, number in counts.items() if number]
-    notes = [f"{name}: samples dropped: {', '.join(said)}"] if said else []
-    if len(gaps):
-        longest = 1e3 * gaps.max()
-        notes.append(f"{name}: {len(gaps)} gaps are bridged, the longest {longest:.0f} ms")
-    return tuple(notes)
 
 
 def _without_spikes(time: Array, values: Array) -> NDArray[np.bool_]:
@@ -195,18 +180,14 @@ def _without_spikes(time: Array, values: Array) -> NDArray[np.bool_]:
 
 
 def _deviation(time: Array, values: Array) -> Array:
-    """Distance of each sample from the cubic through its neighbours, (N,).
-
-    Zero at the ends and beside gaps, which a cubic does not span.
-    """
-    inner, others = np.arange(2, len(time) - 2), (-2, -1, 1, 2)
+    """Distance (N,) of each sample from the cubic through its neighbours; zero at ends and beside
+    gaps."""
+    inner, others = np.arange(2, len(time) - 2), {-2, -1, 1, 2}
     expected = np.zeros((len(inner), values.shape[1]))
-    for a in others:
+    for a in sorted(others):
         weight = np.ones(len(inner))
-        for b in others:
-            if a != b:
-                span = time[inner + a] - time[inner + b]
-                weight *= (time[inner] - time[inner + b]) / span
+        for b in sorted(others - {a}):
+            weight *= (time[inner] - time[inner + b]) / (time[inner + a] - time[inner + b])
         expected += weight[:, None] * values[inner + a]
     off = np.zeros(len(time))
     span = time[inner + 2] - time[inner - 2]

@@ -17,7 +17,6 @@ tracker.*    time, target_x, target_y, target_z [m], a point fixed to the tool  
 
 from pathlib import Path
 
-import numpy as np
 import pyarrow as pa
 
 from armside.arrays import Array
@@ -25,7 +24,7 @@ from armside.kinematics.calibration import Measurements
 from armside.kinematics.rotation import from_quaternion
 
 from ..records.files import reading
-from ..records.tables import READERS, float_columns, read_table, write_table
+from ..records.tables import READERS, float_columns, numbered, read_table, table_of, write_table
 from .recorded_motion import MotionRecording, PoseRecording, Stream, repaired
 
 QUATERNION = ("tool_qw", "tool_qx", "tool_qy", "tool_qz")
@@ -33,30 +32,27 @@ COLUMNS = {
     "imu": tuple(f"{n}_{a}" for n in ("acceleration", "angular_velocity") for a in "xyz"),
     "tracker": tuple(f"target_{a}" for a in "xyz"),
 }
-UNITS = {"time": "s", "motor_angle": "rad", "acceleration": "m/s²", "angular_velocity": "rad/s"}
+UNITS = {"motor_angle": "rad", "acceleration": "m/s²", "angular_velocity": "rad/s"}
 """Of columns by the start of their names; else metres."""
 
 
 def read_pose_table(file: Path) -> PoseRecording:
     """Poses of a table. Raises ValueError for columns that are missing."""
     table = read_table(file)
-    motors = _numbered(table, "motor_angle_{}")
-    targets = _numbered(table, "target_{}_x")
+    motors, targets = numbered(table, "motor_angle_{}"), numbered(table, "target_{}_x")
     if not motors or not targets:
         form = "motor_angle_1.. [rad] and target_1_x, target_1_y, target_1_z [m]"
         raise ValueError(f"{file.name} is no table of poses: it needs columns {form}")
     if not table.num_rows:
         raise ValueError(f"{file.name} has no rows")
     phi = _columns(file, table, motors)
-    points = [
-        _columns(file, table, [f"target_{i}_{a}" for a in "xyz"])
-        for i in range(1, len(targets) + 1)
-    ]
+    names = [f"target_{i + 1}_{a}" for i in range(len(targets)) for a in "xyz"]
+    points = _columns(file, table, names).reshape(len(phi), -1, 3)
     rotation = None
     if set(QUATERNION) <= set(table.column_names):
         rotation = from_quaternion(_columns(file, table, QUATERNION))
     with reading(file):
-        measurements = Measurements(phi=phi, points=np.stack(points, axis=1), rotation=rotation)
+        measurements = Measurements(phi=phi, points=points, rotation=rotation)
     return PoseRecording(measurements, "table of poses")
 
 
@@ -73,7 +69,7 @@ def read_motion_tables(folder: Path) -> MotionRecording:
         if (file := _file(folder, name)) is None:
             continue
         table = read_table(file)
-        columns = COLUMNS.get(name) or _numbered(table, "motor_angle_{}") or ["motor_angle_1"]
+        columns = COLUMNS.get(name) or numbered(table, "motor_angle_{}") or ["motor_angle_1"]
         values = _columns(file, table, ["time", *columns])
         streams[name], more = repaired(name, values[:, 0], values[:, 1:])
         notes += more
@@ -85,30 +81,17 @@ def write_motion_tables(folder: Path, recording: MotionRecording, kind: str) -> 
     n = recording.encoders.values.shape[1]
     motors = tuple(f"motor_angle_{i}" for i in range(1, n + 1))
     for name, columns in {**COLUMNS, "encoders": motors}.items():
-        stream = getattr(recording, name)
+        stream: Stream | None = getattr(recording, name)
         if stream is not None:
-            write_table(folder / f"{name}.{kind}", _of_stream(stream, columns))
-
-
-def _of_stream(stream: Stream, columns: tuple[str, ...]) -> pa.Table:
-    names = ("time", *columns)
-    unit = {name: next((u for k, u in UNITS.items() if name.startswith(k)), "m") for name in names}
-    fields = [pa.field(name, pa.float64(), metadata={"unit": unit[name]}) for name in names]
-    arrays = [pa.array(column) for column in (stream.time, *stream.values.T)]
-    return pa.Table.from_arrays(arrays, schema=pa.schema(fields))
+            units = [next((u for k, u in UNITS.items() if c.startswith(k)), "m") for c in columns]
+            values = dict(zip(columns, zip(units, stream.values.T, strict=True), strict=True))
+            table = table_of({"time": ("s", stream.time), **values})
+            write_table(folder / f"{name}.{kind}", table)
 
 
 def _file(folder: Path, name: str) -> Path | None:
     found = (folder / f"{name}{suffix}" for suffix in READERS)
     return next((file for file in found if file.is_file()), None)
-
-
-def _numbered(table: pa.Table, form: str) -> list[str]:
-    """Names with 1, 2, ... as long as there are columns of that name."""
-    names: list[str] = []
-    while (name := form.format(len(names) + 1)) in table.column_names:
-        names.append(name)
-    return names
 
 
 def _columns(file: Path, table: pa.Table, names: list[str] | tuple[str, ...]) -> Array:

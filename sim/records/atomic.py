@@ -54,10 +54,8 @@ def write_whole(file: Path, text: str) -> None:
 
 
 def remove_stale(folder: Path, name: str | None = None) -> None:
-    """Remove what dead processes have left in a folder, of a file or folder `name` if given.
-
-    What cannot be locked or removed stays: it is another user's, or on a file system without locks.
-    """
+    """Remove what dead processes have left in a folder, of a file or folder `name` if given, but
+    what is locked or another user's."""
     with suppress(OSError):
         for left in sorted(os.listdir(folder)):
             found = STAGED.fullmatch(left)

@@ -41,11 +41,14 @@ RESERVED = 24
 
 
 def check_file(path: Path, largest: int = LARGEST_TEXT) -> Path:
-    """The path, if it is a regular file that can be read and has at most `largest` bytes.
-
-    Raises InputError.
-    """
-    found = _stat(path)
+    """The path of a regular file that can be read, of at most `largest` bytes; or InputError."""
+    try:
+        found = path.stat()
+    except FileNotFoundError:
+        raise InputError(f"{path} does not exist") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"{path} cannot be read: {reason}") from error
     if stat.S_ISDIR(found.st_mode):
         raise InputError(f"{path} is a folder, not a file")
     if not stat.S_ISREG(found.st_mode):
@@ -59,10 +62,7 @@ def check_file(path: Path, largest: int = LARGEST_TEXT) -> Path:
 
 
 def check_n_values(path: Path, n: int) -> None:
-    """Refuse a file that unpacks to more than fits in memory. n: numbers in it.
-
-    Raises InputError.
-    """
+    """Raise InputError for a file of n numbers, unpacked, that do not fit in memory."""
     if 8 * n > LARGEST_DATA:
         size = f"{8e-6 * n:.4g} MB; at most {LARGEST_DATA / 1e6:.4g} MB are read"
         raise InputError(f"{path.name} unpacks to {size}")
@@ -113,13 +113,3 @@ def check_name(path: Path) -> None:
     except OSError as error:
         if error.errno == errno.ELOOP:
             raise InputError(f"{path} is a loop of links") from error
-
-
-def _stat(path: Path) -> os.stat_result:
-    try:
-        return path.stat()
-    except FileNotFoundError:
-        raise InputError(f"{path} does not exist") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"{path} cannot be read: {reason}") from error

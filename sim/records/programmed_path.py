@@ -22,13 +22,15 @@ from .summary import plain
 
 LEADS = ("lead_in", "lead_out", "spiral")
 OF_A_PART = ("middle", "tool_quaternion", "n_samples", "step", "rest_before", "limits_hit")
+OF_A_CUT = ("name", "kind", "lead", "asked_speed")
 SPEEDS = ("programmed_speed", "reached_speed", "rest_before")
 
 
 def to_json(motion: ToolMotion | PartMotion) -> dict[str, Any]:
     """Block of JSON values. Raises ValueError for a contour that is no Circle or ArcsAndLines."""
     if isinstance(motion, PartMotion):
-        return _of_part(motion)
+        block: dict[str, Any] = {name: getattr(motion, name) for name in OF_A_PART}
+        return plain(block | {"plane": motion.plane, "legs": list(map(_of_leg, motion.legs))})
     path = motion.path
     if not isinstance(path.curve, (Circle, ArcsAndLines)):
         given = type(path.curve).__name__
@@ -81,17 +83,9 @@ def _curve(block: Mapping[str, Any]) -> ClosedCurve:
     return ArcsAndLines((block["start"][0], block["start"][1]), elements)
 
 
-def _of_part(motion: PartMotion) -> dict[str, Any]:
-    block: dict[str, Any] = {name: getattr(motion, name) for name in OF_A_PART}
-    return plain(block | {"plane": motion.plane, "legs": [_of_leg(leg) for leg in motion.legs]})
-
-
 def _of_leg(leg: Leg) -> dict[str, Any]:
-    block: dict[str, Any] = {"path": leg.path, "timing": leg.timing, "start": leg.start}
-    if isinstance(leg, CutLeg):
-        block |= {"name": leg.name, "kind": leg.kind}
-        block |= {"lead": leg.lead, "asked_speed": leg.asked_speed}
-    return block
+    names = ("path", "timing", "start") + OF_A_CUT * isinstance(leg, CutLeg)
+    return {name: getattr(leg, name) for name in names}
 
 
 def _part_motion(block: Mapping[str, Any]) -> PartMotion:
@@ -105,11 +99,11 @@ def _part_motion(block: Mapping[str, Any]) -> PartMotion:
 
 def _leg(block: Mapping[str, Any]) -> Leg:
     path, timing = Chain(**_arrays(block["path"])), _timing(block["timing"])
-    common: dict[str, Any] = {"path": path, "timing": timing, "start": block["start"]}
     if "kind" not in block:
-        return Leg(**common)
-    own = {name: block[name] for name in ("name", "lead", "asked_speed")}
-    return CutLeg(kind=Kind(block["kind"]), **common, **own)
+        return Leg(path=path, timing=timing, start=block["start"])
+    own: dict[str, Any] = {name: block[name] for name in OF_A_CUT}
+    own["kind"] = Kind(own["kind"])
+    return CutLeg(path=path, timing=timing, start=block["start"], **own)
 
 
 def _arrays(block: Mapping[str, Any]) -> dict[str, Array]:

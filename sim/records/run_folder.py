@@ -60,12 +60,6 @@ def _existing_parent(path: Path) -> Path:
 class RunFolder:
     """Collects the files of one run; `path` is the finished folder once the block has ended.
 
-    ```
-    with RunFolder("laser", seed=0) as folder:
-        (folder / "summary.json").write_text(...)
-    print(folder.path)
-    ```
-
     out: the folder asked for, new or empty; None makes `runs/<experiment>-<date>-<time>-<seed>`.
     """
 

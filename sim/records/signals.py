@@ -29,7 +29,7 @@ from ..robot.drives import EXACT
 from ..robot.recording import Recording, Truth
 from .atomic import atomic
 from .programmed_path import from_json, to_json
-from .tables import floats
+from .tables import floats, table_of
 
 XYZ = tuple("xyz")
 LOG = dict.fromkeys(("reference", "correction", "motor_angle"), "rad") | {"motor_torque": "N m"}
@@ -125,10 +125,7 @@ def read_signals(path: Path) -> Signals:
 
 
 def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
-    """Runs of a table with the columns and the metadata of `write_signals`.
-
-    Raises ValueError where it holds something else, or signals of another format.
-    """
+    """Runs of a table with the columns and the metadata of `write_signals`, or ValueError."""
     metadata = {key.decode(): text.decode() for key, text in (table.schema.metadata or {}).items()}
     if "armside.config" not in metadata:
         raise ValueError(f"{source} holds no signals of armside: no armside.config in its metadata")
@@ -153,11 +150,10 @@ def signals_of(table: pa.Table, *, source: str = "the table") -> Signals:
 
 def missing_columns(table: pa.Table) -> list[str]:
     """Columns of `write_signals` that the table lacks."""
-    n = _axes_in(table)
-    blocks = [(name, suffixes) for name, (_, suffixes) in _log_blocks(n).items()]
-    blocks += [("tracker", (*XYZ, "valid"))]
-    blocks += [(f"true_{name}", suffixes) for name, (_, suffixes) in _truth_blocks(n, 1).items()]
-    needed = ["k", "time", *(f"{name}_{s}" for name, suffixes in blocks for s in suffixes)]
+    log, true = _blocks(_axes_in(table), 1)
+    blocks = [*log.items(), ("tracker", ("m", (*XYZ, "valid")))]
+    blocks += [(f"true_{name}", block) for name, block in true.items()]
+    needed = ["k", "time", *(f"{name}_{s}" for name, (_, suffixes) in blocks for s in suffixes)]
     return [name for name in needed if name not in table.column_names]
 
 
@@ -172,40 +168,30 @@ def _axes_in(table: pa.Table) -> int:
     return max(found, default=1)
 
 
-def _by_axis(units: Mapping[str, str], n_axes: int) -> _Blocks:
-    axes = tuple(str(i) for i in range(1, n_axes + 1))
-    return {name: (unit, axes) for name, unit in units.items()}
-
-
-def _log_blocks(n_axes: int) -> _Blocks:
-    return _by_axis(LOG, n_axes)
-
-
-def _truth_blocks(n_axes: int, n_qpos: int) -> _Blocks:
-    qpos = {"qpos": ("rad or m", tuple(map(str, range(n_qpos))))}
-    return _by_axis(TRUE_AXES, n_axes) | TRUE_TOOL | qpos
+def _blocks(n_axes: int, n_qpos: int) -> tuple[_Blocks, _Blocks]:
+    """Signals of the log, and of the truth."""
+    axes = tuple(str(i + 1) for i in range(n_axes))
+    log, true = ({name: (u, axes) for name, u in of.items()} for of in (LOG, TRUE_AXES))
+    return log, true | TRUE_TOOL | {"qpos": ("rad or m", tuple(map(str, range(n_qpos))))}
 
 
 def _table(run: RecordedRun, truth_rate: float) -> pa.Table:
     """Table of one run: the union of the instants of its streams."""
     recording, tracker = run.recording, run.tracker or NO_TRACKER
     truth = recording.truth.every(stride(rate_of(recording.truth.time), truth_rate))
-    n, log = recording.n_axes, recording.time
-    blocks = [(name, *of, log, getattr(recording, name)) for name, of in _log_blocks(n).items()]
+    log, true = _blocks(recording.n_axes, truth.qpos.shape[1])
+    blocks = [(n, *of, recording.time, getattr(recording, n)) for n, of in log.items()]
     blocks.append(("tracker", "m", XYZ, tracker.time, tracker.position))
     blocks.append(("tracker", "1", ("valid",), tracker.time, tracker.valid[:, np.newaxis]))
-    for name, of in _truth_blocks(n, truth.qpos.shape[1]).items():
-        blocks.append((f"true_{name}", *of, truth.time, getattr(truth, name)))
+    blocks += [(f"true_{n}", *of, truth.time, getattr(truth, n)) for n, of in true.items()]
     time = np.unique(np.concatenate([recording.time, truth.time, tracker.time]))
     if len(time) > 1 and np.diff(time).min() < SHORTEST_INTERVAL:
         raise ValueError("sample times of log, truth and tracker must come from one grid of time")
-    columns = [("k", "1", pa.array(np.full(len(time), run.k, dtype=np.int32)))]
-    columns.append(("time", "s", pa.array(time)))
+    columns = {"k": ("1", np.full(len(time), run.k, dtype=np.int32)), "time": ("s", time)}
     for prefix, unit, suffixes, own_time, values in blocks:
         for suffix, column in zip(suffixes, _spread(time, own_time, values), strict=True):
-            columns.append((f"{prefix}_{suffix}", unit, column))
-    fields = [pa.field(name, of.type, metadata={"unit": unit}) for name, unit, of in columns]
-    return pa.Table.from_arrays([of for _, _, of in columns], schema=pa.schema(fields))
+            columns[f"{prefix}_{suffix}"] = (unit, column)
+    return table_of(columns)
 
 
 def _spread(time: Array, own_time: Array, values: NDArray[Any]) -> list[pa.Array]:
@@ -229,10 +215,9 @@ def _run(k: int, table: pa.Table, limits_hit: Sequence[tuple[Any, Any, Any]]) ->
     log = table.filter(pc.field("reference_1").is_valid())
     true = table.filter(pc.field("true_tool_position_x").is_valid())
     n_qpos = sum(name.startswith("true_qpos_") for name in table.column_names)
-    n = _axes_in(table)
-    blocks = _truth_blocks(n, n_qpos).items()
-    stored = {name: _stack(true, f"true_{name}", suffixes) for name, (_, suffixes) in blocks}
-    signals = {name: _stack(log, name, suffixes) for name, (_, suffixes) in _log_blocks(n).items()}
+    of_log, of_truth = _blocks(_axes_in(table), n_qpos)
+    stored = {name: _stack(true, f"true_{name}", s) for name, (_, s) in of_truth.items()}
+    signals = {name: _stack(log, name, s) for name, (_, s) in of_log.items()}
     # The gear error is part of the stored angles already.
     angles = {"gear_angle": stored.pop("motor_angle"), "spring_angle": stored.pop("flex_angle")}
     truth = Truth(time=_time(true, k, "truth"), gear_error=EXACT, **angles, **stored)
@@ -243,11 +228,11 @@ def _run(k: int, table: pa.Table, limits_hit: Sequence[tuple[Any, Any, Any]]) ->
 
 
 def _tracker(table: pa.Table, k: int) -> TrackerSamples | None:
-    samples = table.filter(pc.field("tracker_valid").is_valid())
-    if samples.num_rows == 0:
+    seen = table.filter(pc.field("tracker_valid").is_valid())
+    if seen.num_rows == 0:
         return None
-    position, valid = _stack(samples, "tracker", XYZ), samples["tracker_valid"].to_numpy()
-    return TrackerSamples(time=_time(samples, k, "tracker"), position=position, valid=valid)
+    position, valid = _stack(seen, "tracker", XYZ), seen["tracker_valid"].to_numpy()
+    return TrackerSamples(time=_time(seen, k, "tracker"), position=position, valid=valid)
 
 
 def _time(table: pa.Table, k: int, stream: str) -> Array:

@@ -9,6 +9,7 @@ import json
 import re
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
+from itertools import count, takewhile
 from math import prod
 from pathlib import Path
 from typing import Any, TypeVar
@@ -65,13 +66,14 @@ def _of_kind(kinds: Mapping[str, Kind], file: Path) -> Kind:
 
 
 def float_columns(table: pa.Table, names: Sequence[str]) -> Array:
-    """Columns (N, m) as floats, NaN for missing values; (N, 0) without names.
+    """Columns (N, m) as floats, NaN for missing values. Raises KeyError for one that is missing."""
+    return np.column_stack([np.empty((table.num_rows, 0)), *(floats(table, n) for n in names)])
 
-    Raises KeyError for one that is missing, pyarrow's errors for one that holds no numbers.
-    """
-    if not names:
-        return np.empty((table.num_rows, 0))
-    return np.column_stack([floats(table, name) for name in names])
+
+def numbered(table: pa.Table, form: str) -> list[str]:
+    """Names of a form with 1, 2, ... in place of {}, as long as there are such columns."""
+    found = (form.format(i) for i in count(1))
+    return list(takewhile(table.column_names.__contains__, found))
 
 
 def units(table: pa.Table) -> dict[str, str]:
@@ -88,12 +90,20 @@ def _metadata(table: pa.Table) -> dict[str, str]:
     return own | {"units": json.dumps(units(table))}
 
 
-def _table(columns: Mapping[str, pa.Array], metadata: Mapping[str, str]) -> pa.Table:
-    unit = json.loads(metadata.get("units", "{}"))
-    of = {name: {"unit": unit[name]} if name in unit else None for name in columns}
-    fields = [pa.field(name, array.type, metadata=of[name]) for name, array in columns.items()]
-    own = {key: text for key, text in metadata.items() if key != "units"}
-    return pa.Table.from_arrays(list(columns.values()), schema=pa.schema(fields, metadata=own))
+def table_of(
+    columns: Mapping[str, tuple[str | None, Any]], metadata: Mapping[str, str] | None = None
+) -> pa.Table:
+    """Table of columns by name, each a unit (or None) and an array, with metadata."""
+    bare = pa.table({name: values for name, (_, values) in columns.items()})
+    units = [None if unit is None else {"unit": unit} for unit, _ in columns.values()]
+    fields = [field.with_metadata(unit) for field, unit in zip(bare.schema, units, strict=True)]
+    schema = pa.schema(fields, metadata=dict(metadata or {}))
+    return pa.Table.from_arrays(bare.columns, schema=schema)
+
+
+def _table(columns: Mapping[str, pa.Array], metadata: dict[str, str]) -> pa.Table:
+    unit = json.loads(metadata.pop("units", "{}"))
+    return table_of({name: (unit.get(name), array) for name, array in columns.items()}, metadata)
 
 
 def _read_parquet(file: Path) -> pa.Table:
@@ -153,11 +163,8 @@ def _as_floats(table: pa.Table) -> dict[str, Array]:
     return {name: floats(table, name) for name in table.column_names}
 
 
-def _from_floats(content: Mapping[str, Any], metadata: Mapping[str, str], file: Path) -> pa.Table:
-    """Table of columns with NaN for missing values; a sample of a lost beam stays NaN.
-
-    Raises ValueError for columns of different lengths.
-    """
+def _from_floats(content: Mapping[str, Any], metadata: dict[str, str], file: Path) -> pa.Table:
+    """Table of columns with NaN for missing values; a sample of a lost beam stays NaN."""
     if strange := [n for n, values in content.items() if np.iscomplexobj(values)]:
         raise ValueError(f"{file.name}: columns must be real numbers: {', '.join(strange)}")
     columns = {n: np.asarray(values, dtype=np.float64).ravel() for n, values in content.items()}

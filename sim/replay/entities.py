@@ -136,9 +136,8 @@ def send_paths(
     places = [np.array([i % columns, i // columns]) * pitch for i in range(len(contours))]
     strips: dict[str, list[Array]] = {"programmed": [], "motors": [], "tool": []}
     for run, contour, place, start in zip(runs, contours, places, starts, strict=False):
-        for name, deviation, _ in (("programmed", 0.0, GREY), *_sides(contour)):
-            if contour.is_part and name != "programmed":
-                continue
+        sides = () if contour.is_part else _sides(contour)
+        for name, deviation, _ in (("programmed", 0.0, GREY), *sides):
             strips[name] += [line + place for line in contour.cut(deviation, to.layout.factor)]
         if contour.is_part:
             pieces, colours = contour.coloured(to.layout.factor, COLOURED)
@@ -194,13 +193,14 @@ def send_series(to: Entities, run: RecordedRun, contour: Contour, start: float) 
     truth, log = recording.truth, recording.time
     arm_error = np.where(contour.cutting, [contour.tool, contour.motor], np.nan).T
     every = _every(truth.time, IMU_PERIOD)
+    imu = truth.time[every]
     series = [
         ("motor_error", log, 1e3 * recording.error),
         ("correction", log, 1e3 * recording.correction),
         ("motor_torque", log, recording.motor_torque),
         ("arm_error", log, 1e6 * arm_error),
-        ("imu/acceleration", truth.time[every], truth.imu_acceleration[every]),
-        ("imu/angular_velocity", truth.time[every], truth.imu_angular_velocity[every]),
+        ("imu/acceleration", imu, truth.imu_acceleration[every]),
+        ("imu/angular_velocity", imu, truth.imu_angular_velocity[every]),
     ]
     if tracker is not None:
         # A lost beam is a gap.

@@ -47,10 +47,7 @@ class Shots:
 
 
 def stored_shots(run: StoredRun) -> Shots:
-    """Shots of a laser, cut or IMU run on disk.
-
-    Raises InputError for another experiment, or a run that lacks its path or its robot.
-    """
+    """Shots of a laser, cut or IMU run on disk, or InputError for another one."""
     if run.experiment not in (*REDRAWN, "imu"):
         raise InputError(f"{run.folder} is a run of {run.experiment}, which moves no robot to draw")
     contours = stored_scene(run).contours if run.experiment in REDRAWN else []
@@ -63,9 +60,7 @@ def stored_shots(run: StoredRun) -> Shots:
 def picture(file: Path, shown: Sequence[Shots], factor: float | None = None) -> None:
     """Write one picture: the robot at its start, the tool's first and last path beside it.
 
-    Several runs stand below each other, each by its name, at one magnification.
-
-    factor: magnification of deviations from the path, by default one that fits all.
+    Several runs stand below each other. factor: magnification, by default one that fits all.
     """
     cut = [shots.contours for shots in shown if shots.contours]
     if factor is None and cut:
@@ -87,19 +82,22 @@ def _row(shots: Shots, factor: float | None, name: str) -> Image.Image:
     if not shots.contours:
         return image
     first, last = shots.contours[0], shots.contours[-1]
-    title = f"k = {shots.runs[0].k} thin, k = {shots.runs[-1].k} thick"
-    motors, tool = (last, last.motor, BLUE, 3), (last, last.tool, ORANGE, 3)
-    panel = _Panel(shots.contours, factor)
-    if last.is_part:
-        return _beside(image, panel.draw(f"k = {shots.runs[-1].k}", [(last, last.tool, None, 4)]))
-    return _beside(image, panel.draw(title, [(first, first.tool, PALE, 2), motors, tool]))
+    title, lines = f"k = {shots.runs[-1].k}", _lines(last, 3)
+    if not last.is_part:
+        title = f"k = {shots.runs[0].k} thin, {title} thick"
+        lines = [(first, first.tool, PALE, 2), *lines]
+    return _beside(image, _Panel(shots.contours, factor).draw(title, lines))
+
+
+def _lines(cut: Contour, motors: int) -> list[Line]:
+    """Of motors, as wide as given, and tool; of a part the tool's alone, by its deviation."""
+    if cut.is_part:
+        return [(cut, cut.tool, None, 4)]
+    return [(cut, cut.motor, BLUE, motors), (cut, cut.tool, ORANGE, 3)]
 
 
 def film(file: Path, shots: Shots, factor: float | None, drawn: Callable[[], None]) -> None:
-    """Write all runs in real time: GIF or WebP by Pillow, other kinds by the program ffmpeg.
-
-    drawn: called after each picture.
-    """
+    """Write all runs in real time: GIF or WebP by Pillow, other kinds by the program ffmpeg."""
     images = _images(shots, factor, drawn)
     with atomic(file) as partial:
         if kind := PILLOW_FORMATS.get(file.suffix.lower()):
@@ -132,15 +130,12 @@ def _images(shots: Shots, factor: float | None, drawn: Callable[[], None]) -> It
     with Offscreen(shots.mj, WIDTH, HEIGHT) as camera:
         for i, run in enumerate(shots.runs):
             truth = run.recording.truth
-            for time in _times(run):
+            for time in _times(run).tolist():
                 row = min(int(np.searchsorted(truth.time, time)), len(truth.time) - 1)
                 image = _robot(camera, truth.qpos[row])
                 if panel is not None:
-                    cut = shots.contours[i]
-                    lines: list[Line] = [(cut, cut.motor, BLUE, 2), (cut, cut.tool, ORANGE, 3)]
-                    if cut.is_part:
-                        lines = [(cut, cut.tool, None, 4)]
-                    image = _beside(image, panel.draw(f"k = {run.k}", lines, until=float(time)))
+                    lines = _lines(shots.contours[i], 2)
+                    image = _beside(image, panel.draw(f"k = {run.k}", lines, until=time))
                 yield image
                 drawn()
 
@@ -199,14 +194,11 @@ class _Panel:
             return
         points = contour.magnified(deviation, self.factor)
         for piece in contour.pieces:
-            self._stroke(pen, points[piece.start : min(piece.stop, done)], colour, width)
-
-    def _stroke(
-        self, pen: ImageDraw.ImageDraw, points: Array, colour: Sequence[int], width: int
-    ) -> None:
-        if len(points) > 1:
-            at = [(float(x), float(y)) for x, y in self._pixels(points)]
-            pen.line(at, fill=tuple(colour), width=FINER * width, joint="curve")
+            at = self._pixels(points[piece.start : min(piece.stop, done)]).tolist()
+            if len(at) > 1:
+                pen.line(
+                    list(map(tuple, at)), fill=tuple(colour), width=FINER * width, joint="curve"
+                )
 
     def _pixels(self, points: Array) -> Array:
         return FINER * (points * self.scale + HEIGHT / 2)

@@ -84,10 +84,7 @@ def named_camera(mj: mujoco.MjModel, name: str) -> mujoco.MjvCamera:
 
 
 def widen(mj: mujoco.MjModel, data: mujoco.MjData, camera: mujoco.MjvCamera, aspect: float) -> None:
-    """Widen the angle of a fixed camera where a shape would be cut off.
-
-    data: state after `mj_forward`. aspect: width over height.
-    """
+    """Widen the angle of a fixed camera where a shape would be cut off, after `mj_forward`."""
     if camera.type != mujoco.mjtCamera.mjCAMERA_FIXED:
         return
     i, shapes = camera.fixedcamid, mj.geom_rbound > 0.0  # an endless floor has none

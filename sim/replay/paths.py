@@ -44,10 +44,8 @@ class Contour:
         self.tool = self._deviation(plane.from_base(recording.truth.tool_position[row])[:, :2])
 
     def _deviation(self, p: Array) -> Array:
-        """(N,) [m], across the path, outwards on a counter-clockwise contour.
-
-        The mean offset while cutting (static deflection) is subtracted first: the shape remains.
-        """
+        """(N,) [m], across the path, outwards on a counter-clockwise contour, less the mean while
+        cutting (static deflection): the shape remains."""
         offset = p - self.programmed
         offset = offset - offset[self.cutting].mean(axis=0)
         return np.einsum("ij,ij->i", offset, self.normal)
@@ -73,10 +71,7 @@ class Contour:
         return float(np.abs(self.tool[self.cutting]).max())
 
     def coloured(self, factor: float, step: int = 1) -> tuple[list[Array], NDArray[np.uint8]]:
-        """Pieces of the tool's path on all contours, and colours (M, 3) by their deviation.
-
-        step: samples that a piece is long.
-        """
+        """Pieces of the tool's path of `step` samples on all contours, and their colours (M, 3)."""
         points, scale = self.magnified(self.tool, factor), max(self.worst, 1e-12)
         spans = [
             slice(i, min(i + step + 1, piece.stop))

@@ -35,33 +35,27 @@ def laser_scene(
     name: str = "",
 ) -> Scene:
     """Scene of a laser run with the summary `outcome`."""
-    rows, robot = outcome["iterations"], find_cell(outcome["config"]["robot"]).robot
-    kept = [row for row in rows if row["k"] in {run.k for run in runs}]
-    curves, text = learning(kept) if len(kept) == len(runs) else {}, about(outcome)
+    ks = {run.k for run in runs}
+    kept = [row for row in outcome["iterations"] if row["k"] in ks]
     return Scene(
-        mj=mj, runs=runs, motion=motion, robot=robot, name=name, about=text, learning=curves
+        mj=mj,
+        runs=runs,
+        motion=motion,
+        robot=find_cell(outcome["config"]["robot"]).robot,
+        name=name,
+        about=about(outcome),
+        learning=learning(kept) if len(kept) == len(runs) else {},
     )
 
 
 def stored_scene(run: StoredRun, *, name: str = "") -> Scene:
-    """Scene of a laser run on disk, of nothing but its files.
-
-    Raises InputError for another experiment, or a run that lacks its path or its robot.
-    """
+    """Scene of a laser run on disk, of nothing but its files; or InputError for another one."""
     if run.experiment not in REDRAWN:
         other = f"is a run of {run.experiment}; only those of laser and cut are redrawn"
         raise InputError(f"{run.folder} {other}")
     robot, signals, path = run.robot, run.signals, run.path
     with reading(run.folder / "summary.json"):
-        _check_config(run.summary["config"])
         return laser_scene(run.summary, robot, signals.runs, path, name=name)
-
-
-def _check_config(config: Mapping[str, Any]) -> None:
-    """Raise ValueError for options that no run has."""
-    find_cell(str(config["robot"]))
-    if not isinstance(config["seed"], int):
-        raise ValueError(f"its seed is no whole number: {config['seed']!r}")
 
 
 Stored = bytes | Sequence[Scene]
@@ -69,10 +63,9 @@ Stored = bytes | Sequence[Scene]
 
 
 def read_replay(runs: Sequence[StoredRun]) -> Stored:
-    """Replay of runs on disk, read as a whole and not yet written.
+    """Replay of runs on disk, not yet written; several side by side under their folders' names.
 
-    Several are shown side by side under their folders' names, numbered where two are alike. Raises
-    InputError for runs of other experiments side by side, or a file that is missing.
+    Raises InputError for runs of other experiments side by side, or a file that is missing.
     """
     if len(runs) == 1 and runs[0].experiment not in REDRAWN:
         return runs[0].file("replay.rrd").read_bytes()
@@ -117,9 +110,9 @@ def about(outcome: Mapping[str, Any]) -> str:
         "|---:|---:|---:|---:|",
     ]
     for row in rows:
-        motor = _scaled(1e3, max(row["motor_inf"]), 1)
-        rms, largest = _scaled(1e6, row["arm_rms"], 0), _scaled(1e6, row["arm_maxdev"], 0)
-        lines.append(f"| {row['k']} | {motor} | {rms} | {largest} |")
+        shown = _scaled(1e3, max(row["motor_inf"]), 1)
+        tool = (_scaled(1e6, row[name], 0) for name in ("arm_rms", "arm_maxdev"))
+        lines.append(f"| {row['k']} | {shown} | {' | '.join(tool)} |")
     if outcome["status"] != "done":
         lines += ["", f"Status: {outcome['status']}."]
     return "\n".join([*lines, "", LEGEND])

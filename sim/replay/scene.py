@@ -72,9 +72,8 @@ def write_scenes(
 ) -> None:
     """Write one or more experiments side by side, whole or not at all. Iterations start together.
 
-    magnification: factor on deviations from the path. By default that of `fitting_magnification`.
-
-    Raises ValueError for no scene, two of one name, or a magnification that is not above 0.
+    magnification: of deviations, by default `fitting_magnification`. Raises ValueError for no
+    scene, two of one name, or a magnification that is not above 0.
     """
     names = [scene.name for scene in scenes]
     if not scenes or len(set(names)) != len(names):
@@ -83,12 +82,19 @@ def write_scenes(
         raise ValueError(f"magnification must be > 0, got {magnification:g}")
     contours = [scene.contours for scene in scenes]
     factor = magnification or min(fitting_magnification(own) for own in contours)
-    worst = _worst(scenes)
-    starts = _starts(scenes)
+    worst, starts = _worst(scenes), _starts(scenes)
     layouts = [_layout(scene, factor, worst, starts) for scene in scenes]
     with recording(path, blueprint(layouts)) as stream:
         for scene, own, layout in zip(scenes, contours, layouts, strict=True):
-            _send_scene(entities.Entities(stream, layout), scene, own, starts)
+            to = entities.Entities(stream, layout)
+            entities.send_static(to, scene.mj, own[0], scene.about, scene.robot.n_joints)
+            entities.send_paths(to, scene.runs, own, starts)
+            entities.send_learning(to, scene.runs, scene.learning, starts)
+            for run, contour, start in zip(scene.runs, own, starts.tolist(), strict=False):
+                entities.send_bodies(stream, scene.mj, run, start, prefix=layout.entity("robot"))
+                entities.send_contour(to, run.k, contour, start)
+                entities.send_series(to, run, contour, start)
+                entities.send_spectrum(to, run.k, contour, start)
 
 
 def _starts(scenes: Sequence[Scene]) -> Array:
@@ -109,38 +115,21 @@ def _layout(scene: Scene, factor: float, worst: float, starts: Array) -> Layout:
     data = mujoco.MjData(scene.mj)
     data.qpos[:] = scene.runs[0].recording.truth.qpos[0]
     mujoco.mj_kinematics(scene.mj, data)
-    height, target = float(data.geom_xpos[:, 2].max()), scene.motion.plane.origin
-    end = float(starts[len(scene.runs) - 1] + scene.runs[-1].recording.time[-1])
     return Layout(
         name=scene.name,
         factor=factor,
-        target=target,
-        height=height,
+        target=scene.motion.plane.origin,
+        height=float(data.geom_xpos[:, 2].max()),
         worst=worst,
-        end=end,
+        end=float(starts[len(scene.runs) - 1] + scene.runs[-1].recording.time[-1]),
         is_part=isinstance(scene.motion, PartMotion) and len(scene.motion.cuts) > 1,
     )
 
 
-def _send_scene(
-    to: entities.Entities, scene: Scene, contours: Sequence[Contour], starts: Array
-) -> None:
-    entities.send_static(to, scene.mj, contours[0], scene.about, scene.robot.n_joints)
-    entities.send_paths(to, scene.runs, contours, starts)
-    entities.send_learning(to, scene.runs, scene.learning, starts)
-    for run, contour, start in zip(scene.runs, contours, starts.tolist(), strict=False):
-        entities.send_bodies(to.stream, scene.mj, run, start, prefix=to.layout.entity("robot"))
-        entities.send_contour(to, run.k, contour, start)
-        entities.send_series(to, run, contour, start)
-        entities.send_spectrum(to, run.k, contour, start)
-
-
 @contextmanager
 def recording(path: Path, blueprint: rrb.Blueprint) -> Iterator[rr.RecordingStream]:
-    """Stream whose content becomes the file when the block ends without an error.
-
-    Raises OSError, such as on a full disk.
-    """
+    """Stream whose content becomes the file when the block ends without an error, such as
+    OSError."""
     stream = rr.RecordingStream("armside", send_properties=False)
     with atomic(path) as partial, _copied_to(partial) as pipe:
         try:
@@ -154,10 +143,8 @@ def recording(path: Path, blueprint: rrb.Blueprint) -> Iterator[rr.RecordingStre
 
 @contextmanager
 def _copied_to(file: Path) -> Iterator[str]:
-    """Name of a pipe whose content is written to a file.
-
-    Rerun's own writer, on a full disk, waits for ever or ends the process without an error.
-    """
+    """Name of a pipe whose content is written to a file. Rerun's own writer, on a full disk, waits
+    for ever or ends the process without an error."""
     source, sink = os.pipe()
     failures: list[OSError] = []
     copying = Thread(target=_copy, args=(source, file, failures))

@@ -47,7 +47,7 @@ def _cycles(robot: VirtualController, wire: Any) -> list[float]:
         wire.encode_state(state)
         own = time.thread_time() - began
         values = np.zeros_like(state.planned) if wire.additive else state.planned
-        datagram = wire.encode_answer(Answer(values=values, additive=wire.additive), state)
+        datagram = wire.encode_answer(Answer(values=values, additive=wire.additive), state.time)
         began = time.thread_time()
         robot.cycle(wire.decode_answer(datagram, state))
         found.append(own + time.thread_time() - began)

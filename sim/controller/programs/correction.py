@@ -28,7 +28,7 @@ from ...robot.servo import correction_path
 from ..stored_correction import StoredCorrection
 from .program_text import Aim, Place, Point, ProgramText
 from .scanner import Text
-from .tool_path import STEP, Row, arcs_of, rows_of
+from .tool_path import STEP, Row, arcs_of, nearest_across, rows_of
 
 NEAR = 1e-3
 """Largest distance of a program from the path of the run [m]. ESTIMATE: above the chord error of
@@ -75,7 +75,7 @@ class Corrected:
 class _Placed:
     """Paths of all rows as one, in base axes of TCP0."""
 
-    rows: tuple[Row, ...]
+    rows: list[Row]
     row: NDArray[np.int64]
     """(P,), that each place belongs to."""
     w: Array
@@ -88,12 +88,8 @@ class _Placed:
 def corrected(program: ProgramText, spans: Sequence[tuple[Array, Array]], R: Array) -> Corrected:
     """The program on the path of a run that is moved; its other bytes as they are.
 
-    Args:
-        spans: of each contour, leads included: positions (N, 3) [m] of TCP0 in base axes, as
-            programmed, and as they are to be.
-        R: (3, 3), base to TCP0.
-
-    Raises InputError or ProgramError where it does not follow the path of the run.
+    spans: of each contour, positions (N, 3) [m] of TCP0 in base axes, as programmed and as they are
+    to be. R: base to TCP0. Raises InputError or ProgramError where it does not follow the path.
     """
     even = [_by_arc_length(*span) for span in spans]
     _refuse_arcs(program, np.concatenate([run for run, _ in even]), R)
@@ -104,7 +100,9 @@ def corrected(program: ProgramText, spans: Sequence[tuple[Array, Array]], R: Arr
     if not (used := index >= 0).any():
         name = program.program.source
         raise InputError(f"{name} has no linear moves within {1e3 * NEAR:g} mm of the run's path")
-    foot, error = _feet(placed.path, index[used], goal[used])
+    reach = np.arange(-int(WINDOW / STEP), int(WINDOW / STEP) + 1)
+    near = np.clip(index[used, np.newaxis] + reach, 0, len(placed.path) - 1)
+    foot, error = nearest_across(placed.path, near, goal[used])
     N, points, turns = _basis(program, placed, foot, R)
     weight = (N.T @ N).diagonal()
     known = np.flatnonzero(weight > SUPPORT * weight.max())
@@ -116,12 +114,11 @@ def corrected(program: ProgramText, spans: Sequence[tuple[Array, Array]], R: Arr
         raise InputError(f"a target would move by {1e3 * largest:.3g} mm, {most}")
     each = zip(points, offset, turns, strict=True)
     moves = {point: by @ R_base_work for point, by, R_base_work in each}
-    changed = [p for p, by in moves.items() if program.edits(p, by)]
     return Corrected(
         texts=program.edited(moves),
         largest_offset=largest,
         targets=len(known),
-        changed=len(changed),
+        changed=sum(program.edits(point, by) for point, by in moves.items()),
         covered=float(used.mean()),
         residual=float(np.sqrt(np.mean(np.sum((error - N @ offset) ** 2, axis=1)))),
     )
@@ -133,8 +130,8 @@ def _by_arc_length(programmed: Array, goal: Array) -> tuple[Array, Array]:
     kept = np.concatenate([[True], moved > 1e-9])
     s = np.concatenate([[0.0], np.cumsum(moved[moved > 1e-9])])
     grid = np.linspace(0.0, s[-1], int(s[-1] / STEP) + 2)
-    at = [np.stack([np.interp(grid, s, x) for x in p[kept].T], axis=1) for p in (programmed, goal)]
-    return at[0], at[1]
+    columns = [np.interp(grid, s, x) for x in np.hstack([programmed, goal])[kept].T]
+    return np.column_stack(columns[:3]), np.column_stack(columns[3:])
 
 
 def _poses(place: Place) -> tuple[Array, Array]:
@@ -154,18 +151,18 @@ def _in_base(place: Place, points: Array, R: Array) -> Array:
 
 
 def _placed_rows(program: ProgramText, R: Array) -> _Placed:
-    rows = tuple(rows_of(program))
+    rows, name = rows_of(program), program.program.source
+    if not rows:
+        raise InputError(f"{name} has no two linear moves in a row")
     if (length := sum(float(row.spacing.sum()) for row in rows)) > LONGEST:
         most = f"at most {LONGEST:g} m are followed"
-        raise InputError(f"{program.program.source} has {length:.4g} m of linear moves, {most}")
+        raise InputError(f"{name} has {length:.4g} m of linear moves, {most}")
     w = [row.samples() for row in rows]
-    first = [program.places[row.moves[1]] for row in rows]
-    each = zip(first, rows, w, strict=True)
-    paths = [_in_base(place, row.path(at), R) for place, row, at in each]
-    if not paths:
-        raise InputError(f"{program.program.source} has no two linear moves in a row")
+    each = zip(rows, w, strict=True)
+    path = np.concatenate(
+        [_in_base(program.places[row.moves[1]], row.path(at), R) for row, at in each]
+    )
     index = np.repeat(np.arange(len(rows)), [len(at) for at in w])
-    path = np.concatenate(paths)
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1) + APART * np.diff(index)
     s = np.concatenate([[0.0], np.cumsum(steps)])
     return _Placed(rows, index, np.concatenate(w), path, s)
@@ -174,8 +171,7 @@ def _placed_rows(program: ProgramText, R: Array) -> _Placed:
 def _matched(placed: _Placed, run: Array) -> NDArray[np.int64]:
     """(K,) index of the place that each place of a run is at, in order; -1: none.
 
-    Where several places are near the first, as on a path that passes a point twice, the one from
-    which the most of the run is found.
+    Of several near the first, the one from which the most of the run is found.
     """
     near = np.flatnonzero(KDTree(placed.path).query(run)[0] < NEAR)
     best = np.full(len(run), -1)
@@ -198,24 +194,10 @@ def _tracked(placed: _Placed, run: Array, near: NDArray[np.int64], now: int) -> 
     return found
 
 
-def _feet(path: Array, at: NDArray[np.int64], goal: Array) -> tuple[NDArray[np.int64], Array]:
-    """Index of the nearest place around each, and the distance (K, 3) [m] across the path."""
-    reach = np.arange(-int(WINDOW / STEP), int(WINDOW / STEP) + 1)
-    window = np.clip(at[:, np.newaxis] + reach, 0, len(path) - 1)
-    distance = np.linalg.norm(path[window] - goal[:, np.newaxis], axis=2)
-    foot = window[np.arange(len(at)), distance.argmin(axis=1)]
-    error, tangent = goal - path[foot], np.gradient(path, axis=0)[foot]
-    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-15)
-    return foot, error - np.sum(error * tangent, axis=1, keepdims=True) * tangent
-
-
 def _basis(
     program: ProgramText, placed: _Placed, foot: NDArray[np.int64], R: Array
 ) -> tuple[csc_array, list[Point], list[Array]]:
-    """N (K, M) of places in all rows, the M points, and from base to work object of each.
-
-    Targets that share their numbers share a column.
-    """
+    """N (K, M) of places in all rows, the M points, and from base to work object of each."""
     index, turns, parts = dict[Point, int](), list[Array](), list[tuple[NDArray[Any], ...]]()
     for i, row in enumerate(placed.rows):
         places = [program.places[move] for move in row.moves]
@@ -241,8 +223,8 @@ def _check(place: Place, aim: Aim, first: Aim, R: Array) -> None:
     turned = base[:3, :3] @ aim.pose[:3, :3] @ tool[:3, :3].T
     angle = float(np.linalg.norm(turned - R)) / np.sqrt(2.0)  # of small ones
     if angle > LARGEST_TURN:
-        reason = f"the orientation is {np.degrees(angle):.3g} deg from that of the run"
-        place.text.fail(place.at, reason)
+        text = f"the orientation is {np.degrees(angle):.3g} deg from that of the run"
+        place.text.fail(place.at, text)
     if aim.external != first.external:
         place.text.fail(place.at, "external axes move along the path of the run")
 
@@ -264,10 +246,7 @@ def corrected_by(
     cell: Cell,
     drives: Drives,
 ) -> Corrected:
-    """The program on the path r + u of a run, u delayed and lagged as by the servo's input.
-
-    Raises as `corrected`.
-    """
+    """The program on the path r + u of a run, u delayed and lagged as by the servo's input."""
     period, delay, lag = stored.sample_time, drives.correction_delay, drives.correction_lag
     u = correction_path(stored.correction, period, 1, delay, lag).position
     pose, r = kinematics.compile(cell.robot).pose, stored.reference
@@ -279,10 +258,9 @@ def displaced(
     program: ProgramText, motion: ToolMotion | PartMotion, displacement: Array
 ) -> Corrected:
     """The program on a motion's path that is displaced by (N, 3) [m]. Raises as `corrected`."""
-    ends = [(motion.time[0], motion.time[-1])]
-    if isinstance(motion, PartMotion):
-        ends = [(cut.start, cut.end) for cut in motion.cuts]
     programmed, time = motion.position, motion.time
-    masks = [(time >= first) & (time <= last) for first, last in ends]
+    masks = [np.ones(len(time), dtype=bool)]
+    if isinstance(motion, PartMotion):
+        masks = [(time >= cut.start) & (time <= cut.end) for cut in motion.cuts]
     spans = [(programmed[m], (programmed + displacement)[m]) for m in masks]
     return corrected(program, spans, from_quaternion(motion.quaternion[0]))

@@ -5,7 +5,7 @@ Conventions by KUKA's manuals: X, Y, Z [mm], A, B, C [deg] with R = Rz(A) Ry(B) 
 length, and is read as none.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
 from typing import ClassVar
 
@@ -13,9 +13,9 @@ import numpy as np
 
 from armside.kinematics.rotation import from_roll_pitch_yaw, to_quaternion
 
-from ...motion.instructions import Move, MoveC, MoveJ, MoveL, Speed, Target
+from ...motion.instructions import MoveC, MoveJ, MoveL, Speed, Target
 from .program_text import Aim, Frame
-from .reader import Reader, Statement
+from .reader import End, Reader, Statement
 from .scanner import NUMBER, Group, Number, Token, Value
 
 MM = 1e-3
@@ -44,7 +44,7 @@ class Krl(Reader):
     )
     end = ("newline",)
     routine, call, wait = ("def", "end"), ("(", ")"), ("wait", "sec")
-    moves: ClassVar[Mapping[str, type[Move]]] = {"ptp": MoveJ, "lin": MoveL, "circ": MoveC}
+    moves: ClassVar = {"ptp": MoveJ, "lin": MoveL, "circ": MoveC}
     unmoving = frozenset(("ext", "extfct"))
 
     def file(self) -> list[Statement]:
@@ -119,10 +119,10 @@ class Krl(Reader):
             case "$base" | "base_no":
                 self.base = self._frame(value, "base_data")
             case "fdat_act" | "ldat_act":
-                fields = self._fields(value, ())
-                for field, to in (("tool_no",) * 2, ("base_no",) * 2, ("apo_dist", "$apo.cdis")):
-                    if field in fields:
-                        self._set(to, fields[field], at)
+                to = {"tool_no": "tool_no", "base_no": "base_no", "apo_dist": "$apo.cdis"}
+                for field, given in self._fields(value, ()).items():
+                    if field in to:
+                        self._set(to[field], given, at)
             case "$ipo_mode":
                 if not isinstance(value, Token) or value.text != "#base":
                     self.refuse(value, "$IPO_MODE must be #BASE")
@@ -145,7 +145,7 @@ class Krl(Reader):
         known = not isinstance(value, Token) or name in self.data
         return Frame(name, self._aim(value).pose if known else None)
 
-    def move(self, first: Token) -> Statement:
+    def move(self, first: Token) -> list[Statement]:
         cursor, joint = self.cursor, first.text == "ptp"
         to = [self._target()]
         if first.text == "circ":
@@ -154,20 +154,14 @@ class Krl(Reader):
         percent = joint and cursor.has("c_ptp")
         blended = cursor.has("c_dis") and not percent
 
-        def add() -> None:
-            ends = [target() for target in to]
+        def how() -> tuple[Speed, float]:
+            if joint:
+                speed = Speed(share=self._given("$vel_axis", 100.0) / 100.0)
+            else:
+                speed = Speed(path=self._given("$vel.cp"))
+            return speed, MM * self._given("$apo.cdis") if blended else 0.0
 
-            def make() -> Move:
-                if joint:
-                    speed = Speed(share=self._given("$vel_axis", 100.0) / 100.0)
-                else:
-                    speed = Speed(path=self._given("$vel.cp"))
-                zone = MM * self._given("$apo.cdis") if blended else 0.0
-                return self.motion(first, ends, speed, zone)
-
-            self.add(make, self.place(first, ends[-1]))
-
-        return add
+        return [self.moving(first, to, how)]
 
     def _given(self, name: str, default: float | None = None) -> float:
         if isinstance(value := self.data.get(name), Number):
@@ -176,13 +170,13 @@ class Krl(Reader):
             raise ValueError(f"{name.upper()} is not set before it")
         return default
 
-    def _target(self) -> Callable[[], "Aim | Target"]:
+    def _target(self) -> End:
         """Position or axes; P:{X ..} is an offset in the axes of P."""
         given = self._value()
         by = self.cursor.value("{}") if self.cursor.has(":") else None
         return partial(self._end, given, by)
 
-    def _end(self, given: Value, by: Value | None) -> "Aim | Target":
+    def _end(self, given: Value, by: Value | None) -> Aim | Target:
         if "a1" in self._fields(given, ()):
             angles = self._fields(given, AXES)
             return Target(motors=tuple(np.radians([self.number(angles[n]).value for n in AXES])))

@@ -15,10 +15,10 @@ from scipy.spatial import KDTree
 from armside.arrays import Array
 from armside.kinematics.rotation import from_quaternion, to_axis_angle, to_roll_pitch_yaw
 
-from ...part.motion import PartMotion
+from ...part.motion import CutLeg, PartMotion
 from .program_text import UNIT, Language
 from .scanner import Text
-from .tool_path import Row
+from .tool_path import Row, arc_lengths
 
 CLOSE = 0.49
 """URScript: radius of a blend over the smallest spacing, as blends must not overlap."""
@@ -124,27 +124,26 @@ def new_program(
 ) -> NewProgram:
     """Program for all cuts of a motion, leads included, with straight moves between them.
 
-    spacing: [m], at most, between targets. rapid: speed [m/s] between cuts. rows: of each cut, in
-    place of those that follow it best.
-
-    Raises ValueError for too many targets.
+    spacing: [m], at most, of targets. rapid: [m/s]. rows: of each cut, in place of those that
+    follow it best. Raises ValueError for too many targets.
     """
     count = sum(_targets(cut.path.length, spacing) for cut in motion.cuts)
     if count > MOST_TARGETS:
         raise ValueError(f"{1e3 * spacing:g} mm make {count} targets, at most {MOST_TARGETS}")
-    fits = [
-        fitted(lambda s, p=cut.path: motion.to_base(p.point(s)), cut.path.length, spacing)
-        for cut in motion.cuts
-    ]
+    fits = [fitted(contour_in_base(motion, c), c.path.length, spacing) for c in motion.cuts]
     own = [row for row, _ in fits] if rows is None else rows
     closest = min(float(row.spacing.min()) for row in own)
     speed, form = motion.cuts[0].asked_speed, FORMS[language]
     length, turn = 1.0 / UNIT[language], _orientation(motion, language)
     unit = 1e3 if language == "rapid" else 1.0
     zone = CLOSE * closest if language == "urscript" else spacing / 2.0
-    about = f"{1e3 * speed:g} mm/s, {1e3 * spacing:.3g} mm between targets"
-    numbers: dict[str, Any] = {"cut": unit * speed, "rapid": unit * rapid, "zone": length * zone}
-    numbers |= {"name": name, "about": about}
+    numbers: dict[str, Any] = {
+        "name": name,
+        "about": f"{1e3 * speed:g} mm/s, {1e3 * spacing:.3g} mm between targets",
+        "cut": unit * speed,
+        "rapid": unit * rapid,
+        "zone": length * zone,
+    }
     lines = [form["head"].format(**numbers)]
 
     def add(kind: str, at: Array) -> None:
@@ -155,7 +154,8 @@ def new_program(
     add("joint", start + np.array([0.0, 0.0, APPROACH]))
     for row, cut in zip(own, motion.cuts, strict=True):
         add("rapid", row.targets[0])
-        lines.append(f"{form['note']}beam on: {_plain(cut.name)}")
+        plain = "".join(c if c.isascii() and c.isprintable() else "?" for c in cut.name)
+        lines.append(f"{form['note']}beam on: {plain}")
         for at in row.targets[1:-1]:
             add("cut", at)
         add("stop", row.targets[-1])
@@ -169,28 +169,25 @@ def new_program(
     )
 
 
-def _plain(name: str) -> str:
-    """In the letters of a comment."""
-    return "".join(c if c.isascii() and c.isprintable() else "?" for c in name)
-
-
 def _targets(length: float, spacing: float) -> int:
     return max(int(np.ceil(length / spacing - 1e-9)), 3) + 1
 
 
-def fitted(point: Callable[[Array], Array], length: float, spacing: float) -> tuple[Row, float]:
-    """Control points of a path by least squares, its ends exact, and their largest error [m].
+def contour_in_base(motion: PartMotion, cut: CutLeg) -> Callable[[Array], Array]:
+    """Points (K, 3) [m] of a cut in base axes, at arc lengths (K,) [m]."""
+    return lambda s: motion.to_base(cut.path.point(s))
 
-    point: (K, 3) [m] at arc lengths (K,) up to `length` [m]. spacing: [m], at most.
-    """
+
+def fitted(point: Callable[[Array], Array], length: float, spacing: float) -> tuple[Row, float]:
+    """Control points of a path (points at arc lengths [m]) by least squares, its ends exact, at
+    most a spacing [m] apart, and their largest error [m]."""
     n = _targets(length, spacing)
     s, zones = np.linspace(0.0, length, PER_TARGET * n), np.full(n, spacing / 2.0)
     goal, targets = point(s), point(np.linspace(0.0, length, n))
     row = Row(moves=tuple(range(n)), targets=targets, zones=zones)
     for _ in range(4):  # places follow the length of the path, which moves less and less
         w = row.samples(spacing / PER_TARGET)
-        steps = np.linalg.norm(np.diff(row.path(w), axis=0), axis=1)
-        along = np.concatenate([[0.0], np.cumsum(steps)])
+        along = arc_lengths(row.path(w))
         N = row.basis(np.interp(s * along[-1] / length, along, w)).tocsc()
         rest, inner = goal - N[:, [0, -1]] @ targets[[0, -1]], N[:, 1:-1]
         found = splu((inner.T @ inner).tocsc()).solve(inner.T @ rest)

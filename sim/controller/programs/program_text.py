@@ -101,10 +101,8 @@ class ProgramText:
     """Routine that it starts with."""
 
     def edited(self, moves: Mapping[Point, Array]) -> tuple[Text, ...]:
-        """The texts with points moved by (3,) [m] in their work object.
-
-        Every other byte stays, and so does a number whose digits are the same.
-        """
+        """The texts with points moved by (3,) [m] in their work object, every other byte as it
+        is."""
         steps = {n: step for point, by in moves.items() for n, step in zip(point, by, strict=True)}
         found = list[Text]()
         for text in self.texts:

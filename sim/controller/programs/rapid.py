@@ -5,7 +5,7 @@ Conventions by the "Technical reference manual: RAPID Instructions, Functions an
 of the tool's path, at most half of the distance to the closest position.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 from typing import ClassVar
 
@@ -13,9 +13,9 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ...motion.instructions import Move, MoveC, MoveJ, MoveL, Speed, Target
+from ...motion.instructions import MoveC, MoveJ, MoveL, Speed, Target
 from .program_text import Aim, Frame
-from .reader import Reader, Statement
+from .reader import End, Reader, Statement
 from .scanner import NUMBER, Group, Number, Token, Value
 
 MM = 1e-3
@@ -41,12 +41,7 @@ class Rapid(Reader):
     )
     end = (";",)
     routine, call, wait = ("proc", "endproc"), (), ("waittime",)
-    moves: ClassVar[Mapping[str, type[Move]]] = {
-        "movel": MoveL,
-        "movec": MoveC,
-        "movej": MoveJ,
-        "moveabsj": MoveJ,
-    }
+    moves: ClassVar = {"movel": MoveL, "movec": MoveC, "movej": MoveJ, "moveabsj": MoveJ}
     unmoving = frozenset({"confl", "confj", "singarea", "accset", "set", "reset", "tpwrite"})
     unmoving |= {"setdo", "setao", "setgo", "tperase"}
 
@@ -75,9 +70,9 @@ class Rapid(Reader):
         value = cursor.value() if cursor.has(":=") else None
         return [] if value is None else [lambda: self.data.update({name: value})]
 
-    def move(self, first: Token) -> Statement:
+    def move(self, first: Token) -> list[Statement]:
         cursor, joints = self.cursor, first.text == "moveabsj"
-        to = list[Callable[[], Aim | Target]]()
+        to = list[End]()
         for _ in range(2 if first.text == "movec" else 1):
             to.append(partial(self._joints, cursor.value()) if joints else self._target())
             if joints and cursor.has("\\"):
@@ -92,17 +87,21 @@ class Rapid(Reader):
                 base = cursor.next
             cursor.take("word")
 
-        def add() -> None:
+        def frames() -> None:
             self.tool = self._frame(tool, "tool0", "true", (1,))
             self.base = self._frame(base, "wobj0", "false", (3, 4))
-            ends = [at() for at in to]
-            size = MM * self._number(zone, ZONES, 7, 1)
-            self.add(
-                lambda: self.motion(first, ends, self._speed(speed, first.text), size),
-                self.place(first, ends[-1]),
-            )
 
-        return add
+        def how() -> tuple[Speed, float]:
+            size = MM * self._number(zone, ZONES, 7, 1)
+            if (
+                isinstance(speed, Token)
+                and speed.text == "vmax"
+                and first.text[4:] in ("j", "absj")
+            ):
+                return Speed(share=1.0), size
+            return Speed(path=MM * self._number(speed, SPEEDS, 4, 0)), size
+
+        return [frames, self.moving(first, to, how)]
 
     def _target(self) -> Callable[[], Aim]:
         """A robtarget; Offs of one where the offsets are numbers."""
@@ -143,11 +142,6 @@ class Rapid(Reader):
             pose = pose @ Aim.of(point, self._quaternion(rotation), MM).pose
         return Frame(name.text, pose)
 
-    def _speed(self, given: Value, word: str) -> Speed:
-        if isinstance(given, Token) and given.text == "vmax" and word in ("movej", "moveabsj"):
-            return Speed(share=1.0)
-        return Speed(path=MM * self._number(given, SPEEDS, 4, 0))
-
     def _number(self, given: Value, names: dict[str, float], n: int, index: int) -> float:
         """Of speeddata or zonedata by name, or one of its n numbers."""
         if isinstance(given, Token) and given.text not in self.data and given.text in names:
@@ -158,9 +152,8 @@ class Rapid(Reader):
         return self.number(group.items[index]).value
 
     def _lists(self, given: Value, kind: str) -> list[tuple[Number, ...]]:
-        sizes = SIZES[kind]
-        parts = self._group(given, len(sizes), kind).items
-        each = zip(parts, sizes, strict=True)
+        parts = self._group(given, len(SIZES[kind]), kind).items
+        each = zip(parts, SIZES[kind], strict=True)
         return [self._group(part, n, kind).numbers(n, f"a part of {kind}") for part, n in each]
 
     def _group(self, given: Value, n: int, kind: str) -> Group:

@@ -26,6 +26,7 @@ from .scanner import Cursor, Number, Text, Token, Value
 MOST_MOVES = 100_000
 DEEPEST_CALL = 30
 Statement = Callable[[], object]
+End = Callable[[], Aim | Target]
 
 
 class Reader:
@@ -38,6 +39,8 @@ class Reader:
     """Signs, or kinds of tokens, that end a statement."""
     routine: ClassVar[tuple[str, str]]
     """Words before and after a routine."""
+    head: ClassVar[tuple[str, ...]] = ("(", ")")
+    """Signs after the name of a routine."""
     call: ClassVar[tuple[str, ...]]
     """Signs after the name of a routine that is called."""
     wait: ClassVar[tuple[str, ...]]
@@ -47,8 +50,7 @@ class Reader:
 
     def __init__(self, texts: Sequence[Text]) -> None:
         self.texts, self.cursor = tuple(texts), Cursor(texts[0], self.grammar, self.fold)
-        self.data = dict[str, Value | Aim]()
-        self.routines = dict[str, list[Statement]]()
+        self.data, self.routines = dict[str, Value | Aim](), dict[str, list[Statement]]()
         self.instructions, self.places = list[Instruction](), list[Place]()
         self.tool, self.base, self.depth = Frame("tool"), Frame("base"), 0
 
@@ -63,12 +65,15 @@ class Reader:
         entry = "main" if "main" in self.routines else next(iter(self.routines), "")
         if not self.places and entry:
             self.run(entry, Token("word", entry, self.texts[0], 0, 0))
-        lines = tuple(place.text.line(place.at) for place in self.places)
-        name, made = self.texts[0].name, tuple(self.instructions)
+        program = Program(
+            instructions=tuple(self.instructions),
+            source=self.texts[0].name,
+            lines=tuple(place.text.line(place.at) for place in self.places),
+        )
         return ProgramText(
             language=self.language,
             texts=self.texts,
-            program=Program(instructions=made, source=name, lines=lines),
+            program=program,
             places=tuple(self.places),
             entry=entry,
         )
@@ -98,7 +103,7 @@ class Reader:
             name = cursor.take("word")
             if name.text in self.routines:
                 cursor.fail(f"{name} is there twice", name)
-            self.routine_head()
+            cursor.expect(*self.head)
             self.routines[name.text] = []
             self.routines[name.text] += self.body(self.routine[1])
             return []
@@ -111,7 +116,7 @@ class Reader:
                 if (token := cursor.take()).text in (*self.moves, *self.routine):
                     cursor.fail(f"the end of {first} is missing before {token}", token)
         elif first.text in self.moves and first.kind == "word":
-            done.append(self.move(cursor.take()))
+            done += self.move(cursor.take())
         elif first.kind == "word" and self._called(first):
             done.append(lambda: self.run(first.text, first))
         else:
@@ -135,18 +140,28 @@ class Reader:
             self.cursor.at = start
         return found and self.ends
 
-    def routine_head(self) -> None:
-        """What follows the name of a routine."""
-        self.cursor.expect("(", ")")
-
-    def move(self, first: Token) -> Statement:
+    def move(self, first: Token) -> list[Statement]:
         """A move, whose word has been read."""
         raise NotImplementedError
 
-    def motion(self, first: Token, ends: Sequence[Aim | Target], speed: Speed, zone: float) -> Move:
-        """Move to the last of its ends: poses, or joint angles."""
-        kind, end = self.moves[first.text], ends[-1]
-        to = end.target if isinstance(end, Aim) else end
+    def moving(
+        self, first: Token, to: Sequence[End], how: Callable[[], tuple[Speed, float]]
+    ) -> Statement:
+        """Move to the last of its ends, poses or joint angles, with a speed and a zone."""
+
+        def add() -> None:
+            ends = [end() for end in to]
+            places = [self.place(first, end) for end in ends]
+            if not places[0].base.same(places[-1].base):
+                self.refuse(first, "both poses must be in one feature")
+            self.add(lambda: self._motion(self.moves[first.text], ends, *how()), places[-1])
+
+        return add
+
+    def _motion(
+        self, kind: type[Move], ends: Sequence[Aim | Target], speed: Speed, zone: float
+    ) -> Move:
+        to = end.target if isinstance(end := ends[-1], Aim) else end
         if kind is MoveL or kind is MoveJ:
             return kind(to=to, speed=speed, zone=zone)
         if not isinstance(ends[0], Aim):

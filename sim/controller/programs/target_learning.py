@@ -38,6 +38,7 @@ from ...robot.model import RobotModel
 from ...robot.recording import Recording
 from ...robot.run import cores, run_batch
 from ...robot.virtual_robot import LOG_PERIOD, VirtualRobot
+from .tool_path import nearest_across
 from .virtual_run import FINE, PlannedProgram, ProgramPlant, ProgramRun
 
 PROBE = 3e-4
@@ -97,29 +98,20 @@ def _at_plan(program: PlannedProgram, signal: Array, run_time: Array, plan_time:
 
 
 def across(program: PlannedProgram, position: Array, run_time: Array, plan_time: Array) -> Array:
-    """(N, 3) [m], from the tool to the nearest place of the contour around where it should be.
-
-    position: (K, 3) [m], base axes, at the log of a run.
-    """
+    """(N, 3) [m], from the tool at positions (K, 3) [m] of a log, to the nearest place of the
+    contour."""
     motion = program.experiment.motion
     tool = _at_plan(program, position, run_time, plan_time)
-    error, on_contour = np.zeros_like(tool), motion.is_on_contour(motion.time)
-    step = 2.0 * FINE
+    weight = np.where(motion.is_on_contour(motion.time), 1.0, LEADS)[:, np.newaxis]
+    error, step = np.zeros_like(tool), 2.0 * FINE
     reach = np.arange(-round(BEHIND / step), round(AHEAD / step) + 1)
     for stretch in program.stretches:
         end = stretch.start + stretch.timing.duration - SETTLED
         own = np.flatnonzero((motion.time > stretch.start) & (motion.time < end))
         s = np.linspace(0.0, stretch.length, int(stretch.length / step) + 2)
-        path = stretch.point(s)
-        tangent = np.gradient(path, axis=0)
-        tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
         here = np.searchsorted(s, stretch.arc_length(motion.time[own]))
         near = np.clip(here[:, np.newaxis] + reach, 0, len(s) - 1)
-        away = np.linalg.norm(path[near] - tool[own, np.newaxis], axis=2)
-        foot = near[np.arange(len(own)), away.argmin(axis=1)]
-        e, t = path[foot] - tool[own], tangent[foot]
-        weight = np.where(on_contour[own], 1.0, LEADS)
-        error[own] = weight[:, np.newaxis] * (e - np.sum(e * t, axis=1, keepdims=True) * t)
+        error[own] = -weight[own] * nearest_across(stretch.point(s), near, tool[own])[1]
     return error
 
 
@@ -132,12 +124,17 @@ class Model:
 
     def __call__(self, displacement: Array) -> Array:
         """Contour error (N, 3) of the tool for a displaced path (N, 3) [m]."""
-        return self.errors([self.program.offsets(displacement)])[0]
+        return self._errors([self.program.offsets(displacement)], self.robot)[0]
 
-    def errors(self, offsets: list[Array], robot: RobotModel | None = None) -> list[Array]:
-        """Of several programs, on all cores."""
-        runs = self.runs([(each, robot or self.robot) for each in offsets])
-        return [self._error(*each) for each in runs]
+    def _errors(self, offsets: list[Array], robot: RobotModel) -> list[Array]:
+        start, runs = (
+            self.program.experiment.programmed[0],
+            self.runs([(o, robot) for o in offsets]),
+        )
+        return [
+            across(self.program, start + _tool(recording), run.run_time, run.plan_time)
+            for recording, run in runs
+        ]
 
     def runs(
         self, programs: Sequence[tuple[Array, RobotModel]]
@@ -146,43 +143,35 @@ class Model:
         program = self.program
         runs = [program.run(program.rows(offsets)) for offsets, _ in programs]
         longest = max(len(run.reference) for run in runs)
-        arms = [VirtualRobot(robot, nominal=program.controller) for _, robot in programs]
-        each = zip(arms, runs, strict=True)
-        loaded = [arm.load(_held(run.reference, longest)) for arm, run in each]
+        loaded = [
+            VirtualRobot(robot, nominal=program.controller).load(_held(run.reference, longest))
+            for run, (_, robot) in zip(runs, programs, strict=True)
+        ]
         nothing = [None] * len(runs)
         found = run_batch(loaded, nothing, nothing, threads=min(cores(), len(runs)))
         return list(zip(found, runs, strict=True))
-
-    def _error(self, recording: Recording, run: ProgramRun) -> Array:
-        start = self.program.experiment.programmed[0]
-        return across(self.program, start + _tool(recording), run.run_time, run.plan_time)
 
     @cached_property
     def sensitivity(self) -> list[tuple[np.ndarray, np.ndarray, Array]]:
         """Of each stretch: its targets (F,), instants (K,), and A (3 K, 2 F)."""
         program, time = self.program, self.program.experiment.motion.time
-        first, frames = program.ends, [stretch.frame for stretch in program.stretches]
+        first = program.ends
         n = max(
             int(np.ceil(3.0 + MEMORY * s.timing.top_speed / s.row.spacing.min()))
             for s in program.stretches
         )
-        frame, none = np.concatenate(frames), np.zeros((first[-1], 3))
+        frame = np.concatenate([stretch.frame for stretch in program.stretches])
         probes = [(k, d) for k in range(n) for d in (0, 1)]
-        tried = list[Array]()
-        for k, d in probes:
-            offset = np.zeros_like(none)
+        tried = np.zeros((1 + len(probes), first[-1], 3))
+        for offset, (k, d) in zip(tried[1:], probes, strict=True):
             own = program.free[k::n]
             offset[own] = PROBE * frame[own, d]
-            tried.append(offset)
-        robot = with_friction(self.robot, SLIDING)
-        base, *moved = self.errors([none, *tried], robot)
+        base, *moved = self._errors([*tried], with_friction(self.robot, SLIDING))
         felt = np.abs(program.basis.toarray()) > 0.0
         begins = np.where(felt.any(axis=0), felt.argmax(axis=0), len(time))
         found = list[tuple[np.ndarray, np.ndarray, Array]]()
         for i, stretch in enumerate(program.stretches):
-            rows = np.flatnonzero(
-                (time >= stretch.start) & (time <= stretch.start + stretch.timing.duration)
-            )
+            rows = np.flatnonzero(stretch.during(time))
             own = program.free[(program.free >= first[i]) & (program.free < first[i + 1])]
             A = np.zeros((len(rows), 3, len(own), 2))
             for (k, d), error in zip(probes, moved, strict=True):
@@ -248,10 +237,8 @@ def contour_measure(
 ) -> Callable[[Pass], ContourOutput]:
     """Contour errors by a measure of the cut, set up by a first run.
 
-    robot: model that targets are learned on, such as a twin's; None: the nominal robot, on the
-    springs that the measure assumes or identifies.
-
-    Raises ValueError for a measure that programs cannot be learned from.
+    robot: that targets are learned on; None: the nominal one on the springs that the measure
+    assumes or identifies. Raises ValueError for a measure that programs cannot be learned from.
     """
     experiment = program.experiment
     nominal, start = experiment.nominal, experiment.programmed[0]
@@ -318,11 +305,8 @@ def learn_targets(
 ) -> Iterator[Iteration]:
     """Runs k = 0 .. `iterations` of a program whose targets are learned.
 
-    Its corrections are displacements of the path (N, 3) [m]; `program.offsets` has the targets'.
-
-    robot: as of `contour_measure`. plant: runs the program in place of the virtual robot.
-
-    Raises as `contour_measure` and `iterate`.
+    Corrections are displacements of the path (N, 3) [m]. robot: as of `contour_measure`. plant:
+    runs the program in place of the virtual robot. Raises as `contour_measure` and `iterate`.
     """
     return iterate(
         program.experiment,

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
 from armside.arrays import Array
@@ -96,13 +96,29 @@ class Row:
     def samples(self, step: float = STEP) -> Array:
         """w at even fractions of each piece, at most `step` [m] apart along the polygon."""
         f, spacing = self.fractions, self.spacing
-        lines = spacing * (1.0 - f[:-1, 1] - f[1:, 0])
-        parabolas = f[1:-1, 0] * spacing[:-1] + f[1:-1, 1] * spacing[1:]
         length = np.empty(self.n_pieces)
-        length[::2], length[1::2] = lines, parabolas
+        length[::2] = spacing * (1.0 - f[:-1, 1] - f[1:, 0])
+        length[1::2] = f[1:-1, 0] * spacing[:-1] + f[1:-1, 1] * spacing[1:]
         parts = np.ceil(length / step).astype(int)
         grids = [k + np.arange(n) / n for k, n in enumerate(parts) if n]
         return np.concatenate([*grids, [float(self.n_pieces)]])
+
+
+def arc_lengths(path: Array) -> Array:
+    """(K,) [m], along the chords of a path (K, 3) [m]."""
+    return np.concatenate([[0.0], np.linalg.norm(np.diff(path, axis=0), axis=1).cumsum()])
+
+
+def nearest_across(
+    path: Array, near: NDArray[np.int64], points: Array
+) -> tuple[NDArray[np.int64], Array]:
+    """Of points (K, 3) [m], the nearest place of a path each among those near it (K, n), and the
+    vector (K, 3) [m] from there, across the path."""
+    distance = np.linalg.norm(path[near] - points[:, np.newaxis], axis=2)
+    foot = near[np.arange(len(points)), distance.argmin(axis=1)]
+    away, tangent = points - path[foot], np.gradient(path, axis=0)[foot]
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-15)
+    return foot, away - np.sum(away * tangent, axis=1, keepdims=True) * tangent
 
 
 def rows_of(program: ProgramText) -> list[Row]:
@@ -119,13 +135,14 @@ def rows_of(program: ProgramText) -> list[Row]:
             found += [current] if len(current) == 2 else []
         else:
             current = [i]
+    rows = [(tuple(row), [program.program.move(i) for i in row]) for row in found]
     return [
         Row(
-            moves=tuple(row),
-            targets=np.array([program.program.move(i).to.position for i in row]),
-            zones=np.array([program.program.move(i).zone for i in row]),
+            moves=row,
+            targets=np.array([move.to.position for move in own]),
+            zones=np.array([move.zone for move in own]),
         )
-        for row in found
+        for row, own in rows
     ]
 
 
@@ -136,10 +153,8 @@ def _joined(a: Place, b: Place) -> bool:
 
 
 def arcs_of(program: ProgramText, step: float = STEP) -> dict[int, Array]:
-    """Points (K, 3) [m] of each MoveC by its index, in its work object.
-
-    The whole arc: zones at its ends are not modelled. Raises ProgramError for one without a start.
-    """
+    """Points (K, 3) [m] of each MoveC by its index, in its work object, without the zones at its
+    ends."""
     found = dict[int, Array]()
     for i, move in enumerate(program.program.instructions):
         if isinstance(move, MoveC):
@@ -155,10 +170,7 @@ def arcs_of(program: ProgramText, step: float = STEP) -> dict[int, Array]:
 
 
 def arc(start: Array, via: Array, end: Array, step: float = STEP) -> Array:
-    """Points (K, 3) [m] of the circle through three points, from start through via to end.
-
-    Raises ValueError for points on a line.
-    """
+    """Points (K, 3) [m] of the circle through three points, or ValueError for points on a line."""
     a, b = via - start, end - start
     normal = np.cross(a, b)
     if (square := normal @ normal) <= 1e-18 * (a @ a) * (b @ b) or not square > 0.0:

@@ -4,15 +4,16 @@ Conventions by "The URScript programming language": m, rad, rotation vector; v [
 [rad/s] in movej; r, the radius of a blend [m]. Blends must not overlap.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
 
 from armside.kinematics.rotation import from_axis_angle, to_quaternion
 
-from ...motion.instructions import Move, MoveC, MoveJ, MoveL, Speed, Target
+from ...motion.instructions import MoveC, MoveJ, MoveL, Speed, Target
 from .program_text import Aim, Frame
 from .reader import Reader, Statement
 from .scanner import NUMBER, Group, Token, Value
@@ -39,12 +40,8 @@ class UrScript(Reader):
     fold: ClassVar[bool] = False
     end = ("newline",)
     routine, call, wait = ("def", "end"), ("(", ")"), ("sleep", "(")
-    moves: ClassVar[Mapping[str, type[Move]]] = {
-        "movel": MoveL,
-        "movep": MoveL,
-        "movec": MoveC,
-        "movej": MoveJ,
-    }
+    head = ("(", ")", ":")
+    moves: ClassVar = {"movel": MoveL, "movep": MoveL, "movec": MoveC, "movej": MoveJ}
     unmoving = frozenset(
         [f"set_{kind}digital_out" for kind in ("", "standard_", "configurable_", "tool_")]
         + ["set_payload", "set_payload_mass", "set_payload_cog", "set_gravity", "textmsg"]
@@ -55,15 +52,12 @@ class UrScript(Reader):
         self.tool = Frame("the installation's TCP", None)
         return self.body("")
 
-    def routine_head(self) -> None:
-        self.cursor.expect("(", ")", ":")
-
     def declaration(self, first: Token) -> list[Statement]:
         cursor = self.cursor
         if cursor.has("set_tcp", "("):
             value = self._value()
             cursor.expect(")")
-            return [lambda: self._set_tool(self._aim(value(), first))]
+            return [lambda: self._set_tool(value(), first)]
         for word in ("global", "local"):
             cursor.has(word)
         name = cursor.take("word").text
@@ -72,8 +66,8 @@ class UrScript(Reader):
         value = self._value()
         return [lambda: self.data.update({name: value()})]
 
-    def _set_tool(self, aim: Aim) -> None:
-        self.tool = Frame("the TCP that is set", aim.pose)
+    def _set_tool(self, given: "Value | Aim", at: Token) -> None:
+        self.tool = Frame("the TCP that is set", self._aim(given, at).pose)
 
     def _value(self, depth: int = 0) -> Made:
         """Number, name, [joints], p[pose], pose_add(P, p[..]) or pose_trans(F, P)."""
@@ -111,45 +105,36 @@ class UrScript(Reader):
             self.refuse(name, "an offset must not turn")
         return a.moved(b.pose[:3, 3])
 
-    def move(self, first: Token) -> Statement:
+    def move(self, first: Token) -> list[Statement]:
         cursor, names = self.cursor, ARGUMENTS[first.text].split()
         cursor.expect("(")
-        to, given = [self._value()], dict[str, Made]()
+        to, given = [partial(self._end, self._value(), first)], dict[str, Made]()
         if first.text == "movec":
             cursor.expect(",")
-            to.append(self._value())
+            to.append(partial(self._end, self._value(), first))
         while cursor.has(","):
             free = [name for name in names if name not in given]
-            key = (
-                cursor.next.text if cursor.tokens[cursor.at + 1].text == "=" else "".join(free[:1])
-            )
+            named = cursor.tokens[cursor.at + 1].text == "="
+            key = cursor.next.text if named else "".join(free[:1])
             if key not in free:
                 cursor.fail(f"{first} has {', '.join(names)}, each once")
             cursor.has(key, "=")
             given[key] = self._value()
         cursor.expect(")")
 
-        def add() -> None:
+        def how() -> tuple[Speed, float]:
             values = {name: self.number(value(), first).value for name, value in given.items()}
             if values.get("t"):
                 self.refuse(first, "a time in place of a speed is not understood")
-            ends = [self._end(target(), first) for target in to]
-            place = self.place(first, ends[-1])
-            if not all(self.place(first, end).base.same(place.base) for end in ends):
-                self.refuse(first, "both poses must be in one feature")
+            zone = values.get("r", 0.0)
+            if first.text == "movej":
+                return Speed(share=min(values.get("v", JOINT_SPEED) / HIGHEST, 1.0)), zone
+            return Speed(path=values.get("v", SPEED)), zone
 
-            def make() -> Move:
-                if first.text == "movej":
-                    speed = Speed(share=min(values.get("v", JOINT_SPEED) / HIGHEST, 1.0))
-                else:
-                    speed = Speed(path=values.get("v", SPEED))
-                return self.motion(first, ends, speed, values.get("r", 0.0))
+        return [self.moving(first, to, how)]
 
-            self.add(make, place)
-
-        return add
-
-    def _end(self, given: "Value | Aim", at: Token) -> Aim | Target:
+    def _end(self, value: Made, at: Token) -> Aim | Target:
+        given = value()
         if at.text != "movej" or not isinstance(given, Group):
             return self._aim(given, at)
         return Target(motors=tuple(n.value for n in given.numbers(6, "joint angles")))

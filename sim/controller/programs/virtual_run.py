@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
@@ -22,8 +23,8 @@ from ...motion.tool_motion import joint_reference
 from ...part.motion import PartMotion
 from ...robot.statics import Statics, anticipated_shift, smoothed
 from ...robot.virtual_robot import LOG_PERIOD, VirtualRobot
-from .new_program import CLOSE, fitted
-from .tool_path import Corner, Row
+from .new_program import CLOSE, contour_in_base, fitted
+from .tool_path import Corner, Row, arc_lengths
 
 FINE = 2e-5
 """Between samples of a path [m]: their chords are off by 1e-8 m on a radius of 5 mm."""
@@ -64,7 +65,7 @@ VIRTUAL: Mapping[str, Interpolator] = {
 """Other controllers than the assumed one."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Stretch:
     """One row of targets in the plan, from rest to rest."""
 
@@ -77,13 +78,16 @@ class Stretch:
     timing: Timing
     start: float
     """[s]."""
-
     frame: Array = field(repr=False)
     """(M, 2, 3): directions that a target moves in, across the path and along the normal."""
 
     def arc_length(self, time: Array) -> Array:
         """Of the contour [m] at times of the plan [s]."""
         return np.clip(self.timing.at(time - self.start)[0], 0.0, self.length)
+
+    def during(self, time: Array) -> NDArray[np.bool_]:
+        """Times of the plan [s] from its start to its end."""
+        return (time >= self.start) & (time <= self.start + self.timing.duration)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -99,10 +103,10 @@ class ProgramRun:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PlannedProgram:
-    """A program for the contours of an experiment, whose targets can be moved.
+    """A program for the contours of an experiment, whose targets can be moved, but the ends of
+    rows.
 
-    Displacements of the path are its inputs, (N, 3) [m] at the instants of the plan: N(w) times the
-    offsets of the targets. The first and the last target of a row stay.
+    Its inputs are displacements of the path (N, 3) [m] at the instants of the plan.
     """
 
     experiment: Experiment[Any]
@@ -118,44 +122,37 @@ class PlannedProgram:
         """With targets at most `spacing` [m] apart."""
         motion = experiment.motion
         normal = motion.plane.axes[:, 2]
-        if isinstance(motion, PartMotion):
-            paths = [
-                (lambda s, p=cut.path: motion.to_base(p.point(s)), cut.path.length, cut)
-                for cut in motion.cuts
-            ]
-            each = [(at, length, cut.timing, cut.start) for at, length, cut in paths]
-        else:
-            path = motion.path
-            each = [(path.position, path.length, motion.timing, motion.rest_before)]
-        found = list[Stretch]()
-        for point, length, timing, start in each:
+
+        def stretch(
+            point: Callable[[Array], Array], length: float, timing: Timing, start: float
+        ) -> Stretch:
             row, _ = fitted(point, length, spacing)
-            tangent = np.gradient(row.targets, axis=0)
-            across = np.cross(normal, tangent)
+            across = np.cross(normal, np.gradient(row.targets, axis=0))
             across /= np.linalg.norm(across, axis=1, keepdims=True)
             frame = np.stack([across, np.broadcast_to(normal, across.shape)], axis=1)
-            found.append(
-                Stretch(
-                    row=row, point=point, length=length, timing=timing, start=start, frame=frame
-                )
-            )
+            return Stretch(row, point, length, timing, start, frame)
+
+        if isinstance(motion, PartMotion):
+            found = [
+                stretch(contour_in_base(motion, cut), cut.path.length, cut.timing, cut.start)
+                for cut in motion.cuts
+            ]
+        else:
+            path = motion.path
+            found = [stretch(path.position, path.length, motion.timing, motion.rest_before)]
         return cls(experiment=experiment, stretches=tuple(found), apart=apart)
 
     @cached_property
     def basis(self) -> csc_array:
         """(N, M), displacement of the path at each instant of the plan for offsets of targets."""
-        time, blocks = self.experiment.motion.time, list[csc_array]()
+        time, blocks = self.experiment.motion.time, list[Array]()
         for stretch in self.stretches:
             w = stretch.row.samples(FINE)
-            along = _along(stretch.row.path(w))
+            along = arc_lengths(stretch.row.path(w))
             share = stretch.arc_length(time) / stretch.length
-            blocks.append(stretch.row.basis(np.interp(share * along[-1], along, w)).tocsc())
-        inside = [
-            (time >= stretch.start) & (time <= stretch.start + stretch.timing.duration)
-            for stretch in self.stretches
-        ]
-        masked = [b.multiply(m[:, np.newaxis]) for b, m in zip(blocks, inside, strict=True)]
-        return csc_array(np.concatenate([b.toarray() for b in masked], axis=1))
+            block = stretch.row.basis(np.interp(share * along[-1], along, w))
+            blocks.append(stretch.during(time)[:, np.newaxis] * block.toarray())
+        return csc_array(np.concatenate(blocks, axis=1))
 
     @property
     def ends(self) -> list[int]:
@@ -190,10 +187,7 @@ class PlannedProgram:
         return Statics(self.experiment.nominal)
 
     def run(self, rows: Sequence[Row]) -> ProgramRun:
-        """The reference that the controller makes of rows of targets, one for each stretch.
-
-        Raises ValueError where it leaves the reach or the joint limits.
-        """
+        """The reference that the controller makes of rows of targets, one for each stretch."""
         motion, cut = self.experiment.motion, self.experiment.cut
         plan = np.arange(0.0, motion.motion_end + TICK, TICK)
         paths = [self._path(s, row) for s, row in zip(self.stretches, rows, strict=True)]
@@ -223,24 +217,22 @@ class PlannedProgram:
 
     def _path(self, stretch: Stretch, row: Row) -> "_Path":
         how = self.interpolator
-        before, corner = stretch.row, how.corner
         if how.single:
             rounded = np.asarray(1e3 * row.targets, np.float32).astype(np.float64) / 1e3
             row = replace(row, targets=rounded)
-        found = list[tuple[Array, Array]]()
-        for each in (before, row):
+        found = list[tuple[Array, Array, Array]]()
+        for each in (stretch.row, row):
             w = each.samples(FINE)
-            path = each.path(w, corner)
+            path = each.path(w, how.corner)
             middles = np.concatenate([[0.0], np.arange(1.5, each.n_pieces, 2.0), [w[-1]]])
-            found.append((path, np.interp(middles, w, _along(path))))
-        (was, knots), (path, ends) = found
-        share = stretch.length / _along(was)[-1]
-        blocks = np.diff(ends) / np.diff(knots)
-        speed = stretch.timing.top_speed
+            s = arc_lengths(path)
+            found.append((path, s, np.interp(middles, w, s)))
+        (_, was, knots), (path, s, ends) = found
+        lengths, speed = np.diff(ends), stretch.timing.top_speed
         most = np.inf if not how.look_ahead else np.sqrt(2.0 * how.acceleration * how.look_ahead)
-        time = np.diff(ends) / np.minimum(speed, most * np.sqrt(np.diff(ends)))
-        blocks *= np.maximum(time, how.block_time) * speed / np.diff(ends)
-        return _Path(stretch, share * knots, ends, blocks, how.dip, _along(path), path)
+        time = lengths / np.minimum(speed, most * np.sqrt(lengths))
+        slower = lengths / np.diff(knots) * (np.maximum(time, how.block_time) * speed / lengths)
+        return _Path(stretch, stretch.length / was[-1] * knots, ends, slower, how.dip, s, path)
 
 
 @dataclass(frozen=True, eq=False)
@@ -288,11 +280,6 @@ class _Positions:
     quaternion: Array
 
 
-def _along(path: Array) -> Array:
-    steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
-    return np.concatenate([[0.0], np.cumsum(steps)])
-
-
 @dataclass(frozen=True)
 class ProgramPlant(CuttingPlant):
     """Plant of a learning loop that runs a program: corrections are displacements of its path."""
@@ -307,12 +294,8 @@ class ProgramPlant(CuttingPlant):
 
     def run(self, correction: Array, /) -> Pass:
         """Run the program with its path displaced by (N, 3) [m]."""
-        return self.run_rows(self.program.rows(self.program.offsets(correction)))
-
-    def run_rows(self, rows: Sequence[Row]) -> Pass:
-        """Run rows of targets."""
         program = self.program
-        asked = program.run(rows)
+        asked = program.run(program.rows(program.offsets(correction)))
         robot = VirtualRobot(self.loaded.model, nominal=program.controller)
         plant = CuttingPlant(robot.load(asked.reference), self.tracker, self.rng, self.imu)
         found = plant.run(np.zeros_like(asked.reference))

@@ -34,9 +34,8 @@ def check_readings(imu: Stream) -> None:
     """Refuse columns that never change, and the two sensors in each other's place."""
     if still := [name for name, x in zip(COLUMNS, imu.values.T, strict=True) if np.ptp(x) == 0.0]:
         raise ValueError(f"IMU: {', '.join(still)} never changes")
-    force, rate = (
-        float(np.median(np.linalg.norm(imu.values[:, i : i + 3], axis=1))) for i in (0, 3)
-    )
+    halves = imu.values.reshape(-1, 2, 3)
+    force, rate = np.median(np.linalg.norm(halves, axis=2), axis=0)
     if force < 5.0 < rate < 20.0:
         said = f"{force:.2g} m/s^2 and {rate:.2g} rad/s in the median"
         raise ValueError(f"IMU: accelerations and angular velocities are exchanged: {said}")
@@ -49,9 +48,8 @@ def check_sensor(quantity: str, M: Array) -> None:
         typical = float(np.median(values))
         for name, unit, factor in UNITS:
             if name == quantity and 0.5 < typical / factor < 2.0:
-                raise ValueError(
-                    f"IMU: {quantity} is {typical:.3g} times as large: is it in {unit}?"
-                )
+                text = f"{quantity} is {typical:.3g} times as large"
+                raise ValueError(f"IMU: {text}: is it in {unit}?")
         text = f"singular values {', '.join(f'{value:.3g}' for value in values)}"
         raise ValueError(f"IMU: {quantity} does not fit the motion: {text}, where 1 is expected")
     if np.linalg.det(M) < 0.0:
@@ -114,6 +112,5 @@ def _others(n: int) -> Iterator[tuple[str, list[int], Array]]:
     for j in range(n):
         yield f"the sign of motor {j + 1} reversed", list(range(n)), 1.0 - 2.0 * np.eye(n)[j]
     for i, j in combinations(range(n), 2):
-        order = list(range(n))
-        order[i], order[j] = j, i
+        order = [{i: j, j: i}.get(k, k) for k in range(n)]
         yield f"motors {i + 1} and {j + 1} swapped", order, np.ones(n)

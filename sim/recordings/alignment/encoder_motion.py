@@ -4,14 +4,16 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.signal import butter, correlate, sosfiltfilt
 
 from armside.arrays import Array
 from armside.kinematics import CompiledRobot
 
 from ..recorded_motion import Stream
 
-RATE = 100.0
-"""[Hz] Of the grid."""
+RATE, STEP = 100.0, 0.01
+"""[Hz], [s] Of the grid."""
 SMOOTH = 25.0
 """[Hz] Low-pass of the motor angles before they are differentiated."""
 
@@ -52,37 +54,40 @@ class EncoderMotion:
 
 
 def encoder_motion(robot: CompiledRobot, encoders: Stream) -> EncoderMotion:
-    """Motion by the encoders; a spline over the stamps, low-passed without phase.
-
-    Raises:
-        ValueError: fewer motors than the robot has, or sampled too slowly.
-    """
-    from scipy.interpolate import CubicSpline
-
+    """Motion by the encoders; a spline over the stamps, low-passed without phase."""
     n, given = robot.robot.n_joints, encoders.values.shape[1]
     if given != n:
         raise ValueError(f"{robot.robot.name} has {n} motors, the recording has {given}")
     own = 1.0 / float(np.median(np.diff(encoders.time)))
     if own < 2.0 * SMOOTH:
         raise ValueError(f"encoders at {own:.3g} Hz; at least {2.0 * SMOOTH:g} Hz are needed")
-    time = np.arange(encoders.time[0], encoders.time[-1], 1.0 / RATE)
-    phi = lowpass(CubicSpline(encoders.time, encoders.values)(time), SMOOTH)
+    time, angles = even(encoders.time, encoders.values)
+    phi = lowpass(angles, SMOOTH)
     spline = CubicSpline(time, phi)
-    rate, second = spline(time, 1), spline(time, 2)
+    rate = spline(time, 1)
     return EncoderMotion(
         time=time,
         phi=phi,
         rate=rate,
         T=robot.pose(phi),
         J=robot.jacobian(phi),
-        acceleration=robot.acceleration(phi, rate, second),
+        acceleration=robot.acceleration(phi, rate, spline(time, 2)),
     )
+
+
+def even(time: Array, values: Array, step: float = STEP) -> tuple[Array, Array]:
+    """Even times [s], and a signal there."""
+    grid = np.arange(time[0], time[-1], step)
+    return grid, CubicSpline(time, values)(grid)
+
+
+def sampled(time: Array, values: Array, wanted: Array) -> Array:
+    """A signal at other times [s], held beyond its ends."""
+    return CubicSpline(time, values)(np.clip(wanted, time[0], time[-1]))
 
 
 def lowpass(x: Array, cutoff: float, rate: float = RATE) -> Array:
     """Zero-phase Butterworth low-pass of the columns of x; unchanged above the Nyquist rate."""
-    from scipy.signal import butter, sosfiltfilt
-
     if cutoff >= 0.45 * rate:
         return x
     return sosfiltfilt(butter(2, 2.0 * cutoff / rate, output="sos"), x, axis=0)
@@ -90,14 +95,10 @@ def lowpass(x: Array, cutoff: float, rate: float = RATE) -> Array:
 
 def bandpass(x: Array, low: float, high: float) -> Array:
     """Zero-phase Butterworth band-pass of 4th order of the columns of x, on the grid."""
-    from scipy.signal import butter, sosfiltfilt
-
     band = (2.0 * low / RATE, 2.0 * high / RATE)
     return sosfiltfilt(butter(4, band, "bandpass", output="sos"), x, axis=0)
 
 
-STEP = 0.01
-"""[s] Of the search."""
 CORRELATED = 0.3
 """Correlation below which the two did not see the same motion."""
 OVERLAP = 0.5
@@ -105,15 +106,7 @@ OVERLAP = 0.5
 
 
 def coarse_lag(name: str, own: tuple[Array, Array], robot: tuple[Array, Array]) -> float:
-    """Own clock minus the robot's clock at the same instant [s].
-
-    Args:
-        name: of the instrument, for the error.
-        own: time (K,) [s] and speed (K,). robot: the same by the robot, at its clock.
-
-    Raises:
-        ValueError: no lag makes the two alike.
-    """
+    """Own clock minus the robot's [s] by times (K,) [s] and speeds (K,) of both, or ValueError."""
     likeness, n = _likeness(own, robot)
     best = int(np.argmax(likeness))
     if not likeness[best] > CORRELATED:
@@ -129,9 +122,7 @@ def likeness_at_best_lag(own: tuple[Array, Array], robot: tuple[Array, Array]) -
 
 def _likeness(own: tuple[Array, Array], robot: tuple[Array, Array]) -> tuple[Array, int]:
     """Correlation at each lag, and samples of the robot's signal on the even grid."""
-    from scipy.signal import correlate
-
-    a, b = (_even(*signal) for signal in (own, robot))
+    a, b = (x - x.mean() for _, x in (even(*own), even(*robot)))
     product = correlate(a, b, "full", "fft")
     overlap = correlate(np.ones_like(a), np.ones_like(b), "full", "fft")
     energy = correlate(a**2, np.ones_like(b), "full", "fft")
@@ -140,11 +131,3 @@ def _likeness(own: tuple[Array, Array], robot: tuple[Array, Array]) -> tuple[Arr
     likeness = product / np.sqrt(np.maximum(energy, max(floor, np.finfo(float).tiny)))
     likeness[overlap < OVERLAP * min(len(a), len(b))] = -1.0
     return likeness, len(b)
-
-
-def _even(time: Array, values: Array) -> Array:
-    from scipy.interpolate import CubicSpline
-
-    grid = np.arange(time[0], time[-1], STEP)
-    even = CubicSpline(time, values)(grid)
-    return even - even.mean()

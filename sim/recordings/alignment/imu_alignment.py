@@ -12,12 +12,14 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.optimize import least_squares
 
 from armside.arrays import Array
 
 from ..recorded_motion import Stream
 from .checks import check_pair, check_readings, check_sensor
-from .encoder_motion import RATE, EncoderMotion, coarse_lag, lowpass
+from .encoder_motion import RATE, EncoderMotion, coarse_lag, even, lowpass, sampled
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 """[m/s^2] in base axes. ESTIMATE of the place; the scale of the accelerometer takes the rest."""
@@ -65,8 +67,8 @@ class ImuAlignment:
 
     def measured(self, motion: EncoderMotion, imu: Stream) -> Array:
         """(M, 6), specific force [m/s^2] and angular rate [rad/s] of the IMU in base axes."""
-        force = _at(imu.time, imu.values[:, :3], self.clock(motion, self.accelerometer_delay))
-        gyro = _at(imu.time, imu.values[:, 3:], self.clock(motion, self.gyro_delay))
+        force = sampled(imu.time, imu.values[:, :3], self.clock(motion, self.accelerometer_delay))
+        gyro = sampled(imu.time, imu.values[:, 3:], self.clock(motion, self.gyro_delay))
         force = (force - self.accelerometer_bias) @ np.linalg.inv(self.M_accelerometer).T
         gyro = (gyro - self.gyro_bias) @ np.linalg.inv(self.M_gyro).T
         to_base = np.einsum("nij,knj->nki", motion.R, np.stack([force, gyro]))
@@ -74,11 +76,8 @@ class ImuAlignment:
 
     def predicted(self, motion: EncoderMotion) -> Array:
         """(M, 6), the same by the encoders."""
-        omega, alpha, r = (
-            motion.velocity[:, 3:],
-            motion.acceleration[:, 3:],
-            motion.lever(self.lever),
-        )
+        omega, alpha = motion.velocity[:, 3:], motion.acceleration[:, 3:]
+        r = motion.lever(self.lever)
         turning = np.cross(alpha, r) + np.cross(omega, np.cross(omega, r))
         force = motion.acceleration[:, :3] + turning - self.gravity
         return np.concatenate([force, omega], axis=1)
@@ -92,16 +91,12 @@ class ImuAlignment:
 def align_imu(
     motion: EncoderMotion, imu: Stream, fraction: float = 1.0, *, level: bool = True
 ) -> ImuAlignment:
-    """Alignment by least squares.
+    """Alignment by least squares on a fraction of the recording, from its start.
 
-    fraction: of the recording, from its start, that may be used. level: the base is taken as level;
-    otherwise its tilt against gravity is fitted too.
+    level: the base is taken as level; otherwise its tilt against gravity is fitted too.
 
-    Raises:
-        ValueError: the IMU did not see this motion, or its units or axes are wrong.
+    Raises ValueError for an IMU that did not see this motion, or wrong units or axes.
     """
-    from scipy.optimize import least_squares
-
     check_readings(imu)
     R, omega = motion.R, motion.velocity[:, 3:]
     own_speed, speed = (np.linalg.norm(w, axis=1) for w in (imu.values[:, 3:], omega))
@@ -114,18 +109,15 @@ def align_imu(
     def of_gyro(x: Array) -> Array:
         return slow.fit(turned, slow.reading(x[0], x[1])[:, 3:])[0].ravel()
 
-    start = min(
-        start + np.arange(-0.3, 0.31, 0.02), key=lambda t: _square(of_gyro(np.array([t, 0.0])))
-    )
+    around = start + np.arange(-0.3, 0.31, 0.02)
+    start = min(around, key=lambda t: np.linalg.norm(of_gyro(np.array([t, 0.0]))))
     gyro_delay, rate = least_squares(of_gyro, [start, 0.0], x_scale=[1e-2, 1e-4]).x
     M_gyro, gyro_bias = slow.fit(turned, slow.reading(gyro_delay, rate)[:, 3:])[1:]
     check_sensor("angular rate", M_gyro)
     alpha = np.einsum("nji,nj->ni", R, motion.acceleration[:, 3:])
     force = slow.predicted(np.einsum("nji,nj->ni", R, motion.acceleration[:, :3] - GRAVITY))
-    levers = slow.predicted((_cross(alpha) + _cross(w) @ _cross(w)).reshape(-1, 9)).reshape(
-        -1, 3, 3
-    )
-    axes = slow.predicted(R.reshape(-1, 9)).reshape(-1, 3, 3)
+    turning = _cross(alpha) + _cross(w) @ _cross(w)
+    levers, axes = (slow.predicted(x.reshape(-1, 9)).reshape(-1, 3, 3) for x in (turning, R))
 
     def of_force(x: Array) -> tuple[Array, Array, Array]:
         tilted = axes.transpose(0, 2, 1) @ (_tilted(x[4:]) - GRAVITY)
@@ -162,11 +154,9 @@ class _Slow:
     """Readings and predictions of one recording in the band of the fit, at fewer samples."""
 
     def __init__(self, motion: EncoderMotion, imu: Stream, last: int) -> None:
-        from scipy.interpolate import CubicSpline
-
-        time = np.arange(imu.time[0], imu.time[-1], 1.0 / RATE)
-        even = lowpass(_at(imu.time, imu.values, time), SLOW)
-        self._spline, self._ends = CubicSpline(time, even), (time[0] + MARGIN, time[-1] - MARGIN)
+        time, values = even(imu.time, imu.values)
+        self._spline = CubicSpline(time, lowpass(values, SLOW))
+        self._ends = (time[0] + MARGIN, time[-1] - MARGIN)
         margin = int(MARGIN * RATE)
         self._rows = slice(margin, last - margin, STRIDE)
         self._time, self._middle = motion.time[self._rows], motion.time.mean()
@@ -187,16 +177,6 @@ class _Slow:
         solution: Any = np.linalg.lstsq(columns, weight * reading, rcond=None)[0]
         found: Array = solution
         return weight * reading - columns @ found, found[:3].T, found[3]
-
-
-def _at(time: Array, values: Array, wanted: Array) -> Array:
-    from scipy.interpolate import CubicSpline
-
-    return CubicSpline(time, values)(np.clip(wanted, time[0], time[-1]))
-
-
-def _square(x: Array) -> float:
-    return float(x @ x)
 
 
 def _cross(v: Array) -> Array:

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.optimize import least_squares
 
 from armside.arrays import Array
 from armside.kinematics.calibration.measurements import procrustes
 
 from ..recorded_motion import Stream
-from .encoder_motion import RATE, EncoderMotion, coarse_lag, lowpass
+from .encoder_motion import RATE, EncoderMotion, coarse_lag, even, lowpass, sampled
 
 SLOW = 2.0
 """[Hz] Band of the fit."""
@@ -50,12 +52,9 @@ class TrackerAlignment:
 
     def residual(self, motion: EncoderMotion, tracker: Stream) -> Array:
         """(M, 3) [m], measured less encoders' position of the target, base axes."""
-        from scipy.interpolate import CubicSpline
-
         own = 1.0 / float(np.median(np.diff(tracker.time)))
-        even = np.arange(tracker.time[0], tracker.time[-1], 1.0 / own)
-        points = lowpass(CubicSpline(tracker.time, tracker.values)(even), SHARP, own)
-        points = CubicSpline(even, points)(np.clip(self.clock(motion), even[0], even[-1]))
+        time, points = even(tracker.time, tracker.values, 1.0 / own)
+        points = sampled(time, lowpass(points, SHARP, own), self.clock(motion))
         return (points - self.p) @ self.R - motion.T[:, :3, 3] - motion.lever(self.target)
 
     def covered(self, motion: EncoderMotion, tracker: Stream) -> NDArray[np.bool_]:
@@ -67,24 +66,20 @@ class TrackerAlignment:
 def align_tracker(
     motion: EncoderMotion, tracker: Stream, fraction: float = 1.0
 ) -> TrackerAlignment:
-    """Alignment by robust least squares.
+    """Alignment by robust least squares on a fraction of the recording, from its start.
 
-    fraction: of the recording, from its start, that may be used.
-
-    Raises:
-        ValueError: the tracker did not see this motion, or its unit is wrong.
+    Raises ValueError for a tracker that did not see this motion, or a wrong unit.
     """
-    from scipy.interpolate import CubicSpline
-    from scipy.optimize import least_squares
-
-    time = np.arange(tracker.time[0], tracker.time[-1], 1.0 / RATE)
-    even = lowpass(CubicSpline(tracker.time, tracker.values)(time), SLOW)
-    _check_unit(motion, even)
-    points = CubicSpline(time, even)
-    speeds = np.linalg.norm(points(time, 1), axis=1), np.linalg.norm(motion.velocity[:, :3], axis=1)
+    time, seen = even(tracker.time, tracker.values)
+    slow = lowpass(seen, SLOW)
+    reach = np.linalg.norm(motion.T[:, :3, 3].std(axis=0))
+    if (ratio := np.linalg.norm(slow.std(axis=0)) / max(float(reach), 1e-9)) > 100.0:
+        text = f"points spread {ratio:.3g} times as far as the robot moves"
+        raise ValueError(f"tracker: {text}: are they in millimetres?")
+    points = CubicSpline(time, slow)
+    own, speed = (np.linalg.norm(v, axis=1) for v in (points(time, 1), motion.velocity[:, :3]))
     margin, last = int(MARGIN * RATE), int(fraction * len(motion.time))
-    of_robot = motion.time[:last], lowpass(speeds[1], SLOW)[:last]
-    start = coarse_lag("tracker", (time, speeds[0]), of_robot)
+    start = coarse_lag("tracker", (time, own), (motion.time[:last], lowpass(speed, SLOW)[:last]))
     rows = np.arange(margin, last - margin, STRIDE)
     T = lowpass(motion.T.reshape(-1, 16), SLOW)[rows].reshape(-1, 4, 4)
     t, middle = motion.time[rows], motion.time.mean()
@@ -100,24 +95,17 @@ def align_tracker(
         residual[inside] = seen - own @ R.T - p
         return R, p, residual
 
-    def solve(x: Array) -> Array:
-        scale = np.array([1e-2, 1e-4, 0.1, 0.1, 0.1])
-        loss = {"loss": "soft_l1", "f_scale": ROBUST}
-        return least_squares(lambda x: fitted(x)[2].ravel(), x, x_scale=scale, **loss).x
-
-    x = solve(np.array([start, 0.0, 0.0, 0.0, 0.0]))
+    x = least_squares(
+        lambda x: fitted(x)[2].ravel(),
+        np.array([start, 0.0, 0.0, 0.0, 0.0]),
+        x_scale=np.array([1e-2, 1e-4, 0.1, 0.1, 0.1]),
+        loss="soft_l1",
+        f_scale=ROBUST,
+    ).x
     R, p, residual = fitted(x)
     rms = float(np.sqrt(3.0 * np.median(residual**2)))
-    spread = float(np.linalg.norm(even - even.mean(axis=0), axis=1).mean())
+    spread = float(np.linalg.norm(slow - slow.mean(axis=0), axis=1).mean())
     if rms > MISFIT * spread:
         text = f"{1e3 * rms:.3g} mm remain of a motion of {1e3 * spread:.3g} mm"
         raise ValueError(f"tracker does not fit the robot: {text}")
     return TrackerAlignment(offset=float(x[0]), rate=float(x[1]), R=R, p=p, target=x[2:], rms=rms)
-
-
-def _check_unit(motion: EncoderMotion, points: Array) -> None:
-    reach = np.linalg.norm(motion.T[:, :3, 3].std(axis=0))
-    ratio = np.linalg.norm(points.std(axis=0)) / max(float(reach), 1e-9)
-    if ratio > 100.0:
-        text = f"points spread {ratio:.3g} times as far as the robot moves"
-        raise ValueError(f"tracker: {text}: are they in millimetres?")

@@ -5,4 +5,4 @@ TransformStamped of geometry_msgs (or one frame of /tf) a point of a tracker or 
 are those of the messages' headers; neither the time of logging nor the order in the file counts.
 """
 
-from .topics import BagTopics as BagTopics
+from .messages import BagTopics as BagTopics

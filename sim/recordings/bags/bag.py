@@ -3,7 +3,6 @@
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +14,7 @@ from armside.kinematics.rotation import from_quaternion
 
 from ...records.files import InputError
 from ..recorded_motion import MotionRecording, PoseRecording, Stream, repaired
-from .messages import BILLION, Joints, Sample, read_messages
-from .topics import FRAME, BagTopics
+from .messages import BILLION, FRAME, BagTopics, Joints, Sample, read_messages
 
 UR = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
 """Parts of the names of Universal Robots' joints, from the base on; their driver publishes them in
@@ -27,11 +25,8 @@ NUMBERED = re.compile(r"(.*?)(\d+)(\D*)")
 def joint_order(topic: str, names: Sequence[str], asked: Sequence[str]) -> tuple[str, ...]:
     """Names of the joints from the base on.
 
-    Those asked for; or else names that differ in one number alone, by that; or those of Universal
-    Robots.
-
-    Raises:
-        InputError: a joint is not there, or the names have no order.
+    Those asked for; or names that differ in one number alone, by that; or those of Universal
+    Robots. Raises InputError for a joint that is not there, or names without an order.
     """
     listed = ", ".join(names) or "no names"
     if asked:
@@ -68,53 +63,29 @@ FEW = 0.5
 """Fraction of the messages that may lack joints before the topic is refused."""
 
 
-class Stamped(NamedTuple):
-    """Samples by the stamps of their headers."""
-
-    stamp: NDArray[np.int64]
-    """(N,) [ns]."""
-    values: Array
-    """(N, m)."""
-
-    def time(self, origin: int) -> Array:
-        """(N,) [s] from an origin [ns], exact to the nanosecond for a century."""
-        whole, part = np.divmod(self.stamp - origin, BILLION)
-        return whole + part / BILLION
-
-
 def encoders(
     topic: str, messages: list[Joints], asked: tuple[str, ...]
-) -> tuple[Stamped, tuple[str, ...]]:
-    """Angles in the order of the motors, and notes: order of the joints, messages left out.
-
-    Raises InputError for joints without an order, and messages without angles or stamps.
-    """
-    names = tuple(dict.fromkeys(name for one in messages for name in one.names))
-    order = joint_order(topic, names, asked)
-    rows, stamps = [], []
-    places: dict[tuple[str, ...], list[int] | None] = {}
-    for one in messages:
-        if one.names not in places:
-            whole = set(order) <= set(one.names)
-            places[one.names] = [one.names.index(name) for name in order] if whole else None
-        place = places[one.names]
-        if place is not None and len(one.position) == len(one.names):
-            rows.append(one.position[place])
-            stamps.append(one.stamp)
-    if len(rows) <= FEW * len(messages):
-        text = f"{len(messages) - len(rows)} of {len(messages)} messages lack positions of some of"
-        raise InputError(f"{topic}: {text} {', '.join(order)}: choose others by --joints")
-    notes = [f"encoders: {topic}, joints {', '.join(order)}"]
-    if left := len(messages) - len(rows):
+) -> tuple[int, Stream, tuple[str, ...]]:
+    """Whole second [ns] before the first stamp, from which all times count; angles in the order of
+    the motors; notes: order of the joints, messages left out."""
+    listed = {one.names: set(one.names) for one in messages}
+    order = joint_order(topic, tuple(dict.fromkeys(name for own in listed for name in own)), asked)
+    places = {o: [o.index(name) for name in order] for o, own in listed.items() if own >= {*order}}
+    whole = [one for one in messages if one.names in places and len(one.position) == len(one.names)]
+    left, joints = len(messages) - len(whole), ", ".join(order)
+    if len(whole) <= FEW * len(messages):
+        text = f"{left} of {len(messages)} messages lack positions of some of {joints}"
+        raise InputError(f"{topic}: {text}: choose others by --joints")
+    notes = [f"encoders: {topic}, joints {joints}"]
+    if left:
         notes.append(f"encoders: {left} messages without all of these joints are left out")
-    return _stamped(topic, stamps, np.array(rows)), tuple(notes)
+    rows = np.array([one.position[places[one.names]] for one in whole])
+    origin = whole[0].stamp // BILLION * BILLION
+    return origin, Stream(_seconds(topic, whole, origin), rows), tuple(notes)
 
 
-def sensor(topic: str, found: list[Sample]) -> tuple[Stamped, tuple[str, ...]]:
-    """Samples of an IMU or a target, and a note of its frames.
-
-    Raises InputError for samples of several frames, or without stamps.
-    """
+def sensor(topic: str, found: list[Sample], origin: int) -> tuple[Stream, str]:
+    """Samples of an IMU or a target, in one frame, and a note of it."""
     children = sorted({one.child for one in found})
     if len(children) > 1:
         text = f"measures {len(children)} frames: {', '.join(children)}"
@@ -124,44 +95,36 @@ def sensor(topic: str, found: list[Sample]) -> tuple[Stamped, tuple[str, ...]]:
         raise InputError(f"{topic} gives its values in {len(frames)} frames: {', '.join(frames)}")
     values = np.array([one.values for one in found], dtype=np.float64)
     said = f"{topic}, frame {frames[0] or 'without a name'}"
-    return _stamped(topic, [one.stamp for one in found], values), (said,)
+    return Stream(_seconds(topic, found, origin), values), said
 
 
-def _stamped(topic: str, stamps: list[int], values: Array) -> Stamped:
-    if not any(stamps):
+def _seconds(topic: str, found: Sequence[Joints | Sample], origin: int) -> Array:
+    """Stamps (N,) [s] from an origin [ns], exact to the nanosecond for a century."""
+    stamps = np.array([one.stamp for one in found], dtype=np.int64)
+    if not stamps.any():
         raise InputError(f"{topic}: the headers carry no stamps (all are zero)")
-    return Stamped(np.array(stamps, dtype=np.int64), values)
+    whole, part = np.divmod(stamps - origin, BILLION)
+    return whole + part / BILLION
 
 
 def motion_of_bag(path: Path, topics: BagTopics) -> MotionRecording:
-    """Encoders, IMU and one target of a bag; seconds count from the whole one before the first
-    stamp of the encoders.
-
-    Raises InputError or ValueError for what is missing, ambiguous or damaged.
-    """
+    """Encoders, IMU and one target of a bag; seconds from the whole one before the first stamp."""
     messages = read_messages(path, topics)
     ((topic, angles),) = messages.encoders.items()
-    motors, notes = encoders(topic, angles, topics.joints)
-    origin = int(motors.stamp[0]) // BILLION * BILLION
-    streams: dict[str, Stream] = {}
-    streams["encoders"], more = _repaired(topic, motors, origin)
-    notes += more
+    origin, motors, notes = encoders(topic, angles, topics.joints)
+    encoder, more = repaired(topic, motors.time, motors.values)
+    notes, streams = notes + more, {"encoders": encoder}
     if len(messages.tracker) > 1:
         raise InputError(f"{path.name}: one target is used here: give one --tracker-topic")
     for name, found in {"imu": messages.imu, "tracker": messages.tracker}.items():
         for topic, own in found.items():
-            samples, said = sensor(topic, own)
+            samples, said = sensor(topic, own, origin)
             if np.isnan(samples.values).all(axis=0).any():
                 raise InputError(f"{topic}: the driver marks values that an IMU needs as absent")
-            width = 6 if name == "imu" else 3
-            samples = samples._replace(values=samples.values[:, :width])
-            streams[name], more = _repaired(topic, samples, origin)
-            notes += (*(f"{name}: {one}" for one in said), *more)
+            values = samples.values[:, : 6 if name == "imu" else 3]
+            streams[name], more = repaired(topic, samples.time, values)
+            notes += (f"{name}: {said}", *more)
     return MotionRecording(name=path.stem, form="ROS bag", notes=notes, **streams)
-
-
-def _repaired(topic: str, samples: Stamped, origin: int) -> tuple[Stream, tuple[str, ...]]:
-    return repaired(topic, samples.time(origin), samples.values)
 
 
 WINDOW = 0.2
@@ -175,37 +138,35 @@ LARGEST_GAP = 1.0
 def poses_of_bag(path: Path, topics: BagTopics) -> PoseRecording:
     """One configuration for each stand of the arm that a target was seen in.
 
-    Stamps of encoders and tracker are taken to be of one clock, as ROS has it. While the arm stands
-    still an offset between them changes nothing.
-
-    Raises InputError for what is missing, ambiguous or damaged, and where there is no such stand.
+    Stamps of encoders and tracker are taken to be of one clock, as ROS has it: an offset changes
+    nothing while the arm stands still. Raises InputError as above, and for a bag without a stand.
     """
     messages = read_messages(path, topics)
     ((topic, angles),) = messages.encoders.items()
-    motors, notes = encoders(topic, angles, topics.joints)
+    origin, motors, notes = encoders(topic, angles, topics.joints)
     if not messages.tracker:
         raise InputError(f"{path.name} has no target of a tracker: poses need one")
-    _check_clock(topic, motors)
-    origin = int(motors.stamp[0]) // BILLION * BILLION
-    time = motors.time(origin)
-    stand = _stands(time, motors.values)
+    if not np.isfinite(motors.values).all():
+        raise InputError(f"{topic}: a position is not finite")
+    check_recorded_time(topic, motors.time - motors.time[0], gap=np.inf, repeats=True)
+    stand = _stands(motors.time, motors.values)
     targets = []
     for name, found in messages.tracker.items():
-        samples, said = sensor(name, found)
-        notes += tuple(f"tracker: {one}" for one in said)
-        targets.append(_by_stand(samples, samples.time(origin), time, stand))
+        samples, said = sensor(name, found, origin)
+        notes += (f"tracker: {said}",)
+        targets.append(_by_stand(samples, motors.time, stand))
     seen = sorted(set().union(*targets))
     if not seen:
         text = "no target was seen while the arm stood still"
         raise InputError(f"{path.name}: {text} for {WINDOW:g} s: is it a recording of poses?")
     notes += (f"{len(seen)} poses at which the arm stood still and a target was seen",)
-    return PoseRecording(_measurements(motors.values, stand, seen, targets), "ROS bag", notes)
-
-
-def _check_clock(topic: str, motors: Stamped) -> None:
-    if not np.isfinite(motors.values).all():
-        raise InputError(f"{topic}: a position is not finite")
-    check_recorded_time(topic, motors.time(int(motors.stamp[0])), gap=np.inf, repeats=True)
+    angles, absent = _grouped(stand, motors.values), np.full(3, np.nan)
+    measurements = Measurements(
+        phi=np.array([np.median(angles[k], axis=0) for k in seen]),
+        points=np.array([[own[k][:3] if k in own else absent for own in targets] for k in seen]),
+        rotation=_rotation(seen, targets[0]),
+    )
+    return PoseRecording(measurements, "ROS bag", notes)
 
 
 def _stands(time: Array, phi: Array) -> NDArray[np.intp]:
@@ -214,16 +175,13 @@ def _stands(time: Array, phi: Array) -> NDArray[np.intp]:
     width = 2 * max(1, round(0.5 * WINDOW / max(step, 1e-6))) + 1
     moved = maximum_filter1d(phi, width, axis=0) - minimum_filter1d(phi, width, axis=0)
     still: NDArray[np.bool_] = np.all(moved < STILL, axis=1)
-    goes_on = np.zeros(len(time), dtype=bool)
-    goes_on[1:] = still[:-1] & (np.diff(time) < LARGEST_GAP)
-    starts = still & ~goes_on
-    return np.where(still, np.cumsum(starts), 0)
+    goes_on = np.r_[False, still[:-1] & (np.diff(time) < LARGEST_GAP)]
+    return np.where(still, np.cumsum(still & ~goes_on), 0)
 
 
-def _by_stand(
-    samples: Stamped, at: Array, time: Array, stand: NDArray[np.intp]
-) -> dict[int, Array]:
+def _by_stand(samples: Stream, time: Array, stand: NDArray[np.intp]) -> dict[int, Array]:
     """Median of a target's samples (m,) in each stand that it was seen in."""
+    at = samples.time
     after = np.clip(np.searchsorted(time, at), 1, len(time) - 1)
     same = stand[after] * (stand[after] == stand[after - 1])
     inside = (at >= time[0]) & (at <= time[-1]) & np.isfinite(samples.values).all(axis=1)
@@ -244,16 +202,6 @@ def _middle(values: Array) -> Array:
     turns = values[:, 3:]
     signs = np.where(turns @ turns[0] < 0.0, -1.0, 1.0)
     return np.median(np.hstack((values[:, :3], turns * signs[:, None])), axis=0)
-
-
-def _measurements(
-    phi: Array, stand: NDArray[np.intp], seen: list[int], targets: list[dict[int, Array]]
-) -> Measurements:
-    absent = np.full(3, np.nan)
-    points = [[own[k][:3] if k in own else absent for own in targets] for k in seen]
-    angles = _grouped(stand, phi)
-    at = np.array([np.median(angles[k], axis=0) for k in seen])
-    return Measurements(phi=at, points=np.array(points), rotation=_rotation(seen, targets[0]))
 
 
 def _rotation(seen: list[int], target: dict[int, Array]) -> Array | None:

@@ -9,6 +9,7 @@ of the first value from 1, 240 start or offset, 241 step or factor.
 import csv
 import io
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path, PureWindowsPath
 
@@ -183,10 +184,7 @@ def _text(file: Path, channel: dict[str, str], key: str) -> str:
 
 def _number(file: Path, channel: dict[str, str], key: str) -> float:
     text = channel.get(key, {"240": "0", "241": "1"}.get(key, ""))
-    try:
-        value = float(text)
-    except ValueError:
-        raise InputError(f"{file.name}: key {key} must be a number, got {text[:40]!r}") from None
-    if not np.isfinite(value) or abs(value) > 1e15:
-        raise InputError(f"{file.name}: key {key} must be a number, got {text[:40]!r}")
-    return value
+    with suppress(ValueError):
+        if abs(value := float(text)) <= 1e15:
+            return value
+    raise InputError(f"{file.name}: key {key} must be a number, got {text[:40]!r}")

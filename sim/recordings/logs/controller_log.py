@@ -18,6 +18,7 @@ from armside.arrays import Array, check_recorded_time
 from armside.kinematics.robot_file import toml_of
 
 from ...records.files import LARGEST_DATA, InputError, check_file, reading
+from ...records.tables import table_of
 from .columns import Diadem, TextTable, read_diadem, read_text
 
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
@@ -43,21 +44,15 @@ class LogForm:
     angle_unit: str | None = "deg"
 
     def __post_init__(self) -> None:
-        for said, unit, known in (
-            ("time_unit", self.time_unit, TIMES),
-            ("angle_unit", self.angle_unit, ANGLES),
-        ):
-            date = said == "time_unit" and DATE in (unit or "")
+        for said, known in (("time_unit", TIMES), ("angle_unit", ANGLES)):
+            unit = getattr(self, said)
+            date = known is TIMES and DATE in (unit or "")
             if unit is not None and unit.lower() not in known and not date:
                 raise ValueError(f"{said} must be one of {', '.join(known)}, got {unit!r}")
         if isinstance(self.reference, tuple) and isinstance(self.motor_angle, tuple):
             n, own = len(self.motor_angle), len(self.reference)
             if own not in (0, n):
                 raise ValueError(f"reference must name {n} columns as motor_angle, got {own}")
-
-    def fits(self, header: Sequence[str]) -> bool:
-        """True where a header has the columns of time and of the first axis."""
-        return self.time in header and bool(self.motors(header))
 
     def motors(self, header: Sequence[str]) -> tuple[str, ...]:
         """Columns of the angles that a header has."""
@@ -154,42 +149,38 @@ class ControllerLog:
 
 
 def read_log(file: Path, columns: Path | None = None) -> ControllerLog:
-    """Table of a log whose form is known by its header, or by a file of columns.
-
-    Raises:
-        InputError: of no known form, columns or units that are missing, values that cannot be.
-    """
+    """Table of a log whose form is known by its header, or by a file of columns; or InputError."""
     check_file(file, LARGEST_DATA)
     source = read_diadem(file) if file.suffix.lower() == ".dat" else read_text(file)
     form = _known(source) if columns is None else read_columns(columns)
     motors, references = form.motors(source.header), form.references(source.header)
-    if absent := [n for n in (form.time, *motors, *references) if n not in source.header]:
+    if absent := [name for name in (form.time, *motors, *references) if name not in source.header]:
         listed = ", ".join(source.header[:30])
         raise InputError(f"{file.name} has no column {absent[0]}. Columns: {listed}")
     if not motors:
         raise InputError(f"{file.name} has no columns {form.motor_angle}")
-    angles = source.numbers((*motors, *references))
-    angles = angles * np.array([_angle_unit(source, form, n) for n in (*motors, *references)])
-    time = _time(source, form)
+    names = (*motors, *references)
+    units = [_factor(source, name, form.angle_unit, ANGLES, "angle_unit") for name in names]
+    angles, time = source.numbers(names) * np.array(units), _time(source, form)
     whole = np.isfinite(time) & np.isfinite(angles).all(axis=1)
     _check(file, time, angles, whole)
     notes = [f"{file.name}: {form.name}, {len(motors)} axes"]
     if lost := int((~whole).sum()):
         notes.append(f"{file.name}: {lost} rows without a number are left out")
-    return ControllerLog(_table(time[whole], angles[whole], len(motors)), form.name, tuple(notes))
+    written = [f"motor_angle_{i + 1}" for i in range(len(motors))]
+    written += [f"reference_{i + 1}" for i in range(len(references))]
+    found = {name: ("rad", own) for name, own in zip(written, angles[whole].T, strict=True)}
+    table = table_of({"time": ("s", time[whole]), **found})
+    return ControllerLog(table, form.name, tuple(notes))
 
 
 def _known(source: TextTable | Diadem) -> LogForm:
     for form in FORMS:
-        if form.fits(source.header):
+        if form.time in source.header and form.motors(source.header):
             return form
     listed, known = ", ".join(source.written[:8]), ", ".join(dict.fromkeys(f.name for f in FORMS))
     text = f"is no log of a known form (columns {listed}; known: {known})"
     raise InputError(f"{source.file.name} {text}: say which columns are which by --columns FILE")
-
-
-def _angle_unit(source: TextTable | Diadem, form: LogForm, name: str) -> float:
-    return _factor(source, name, form.angle_unit, ANGLES, "angle_unit")
 
 
 def _factor(
@@ -234,11 +225,3 @@ def _check(file: Path, time: Array, angles: Array, whole: NDArray[np.bool_]) -> 
         raise InputError(f"{file.name}: {text}: are the units as stated?")
     with reading(file):
         check_recorded_time(file.name, time[whole], np.flatnonzero(whole), gap=np.inf, repeats=True)
-
-
-def _table(time: Array, angles: Array, n: int) -> pa.Table:
-    names = [f"motor_angle_{i}" for i in range(1, n + 1)]
-    names += [f"reference_{i}" for i in range(1, angles.shape[1] - n + 1)]
-    fields = [pa.field("time", pa.float64(), metadata={"unit": "s"})]
-    fields += [pa.field(name, pa.float64(), metadata={"unit": "rad"}) for name in names]
-    return pa.Table.from_arrays([pa.array(c) for c in (time, *angles.T)], schema=pa.schema(fields))

@@ -26,10 +26,9 @@ SLOWEST = 0.02
 class TimingErrors:
     """Errors of the sampling instants of each motor, taken from logs.
 
-    A motor that moves at rate w and is read d later than its stamp says is off by w d. Errors of
-    motors whose rates differ are therefore alike as times. They are found where a log departs from
-    a cubic over its neighbours, motor by motor, and applied to any smooth motion: what such a log
-    makes of a robot that repeats perfectly.
+    A motor that moves at rate w and is read d later than its stamp says is off by w d. They are
+    found where a log departs from a cubic over its neighbours, motor by motor, and applied to any
+    smooth motion: what such a log makes of a robot that repeats perfectly.
     """
 
     errors: tuple[Array, ...]
@@ -58,10 +57,7 @@ class TimingErrors:
 
 
 def timing_errors(logs: Sequence[Stream]) -> TimingErrors:
-    """Timing errors of the samples of logs in motion.
-
-    Raises ValueError for logs in which some motor never moves with the others.
-    """
+    """Timing errors of logs in which all motors move at the same time, or ValueError."""
     found = tuple(_of(log) for log in logs)
     if not all(len(errors) for errors in found):
         raise ValueError("timing errors need logs in which all motors move at the same time")
@@ -70,20 +66,16 @@ def timing_errors(logs: Sequence[Stream]) -> TimingErrors:
 
 
 def _of(log: Stream) -> Array:
-    departure, rate = _local_cubic(log)
-    moving = (np.abs(rate) > SLOWEST).all(axis=1)
-    return departure[moving] / rate[moving]
-
-
-def _local_cubic(log: Stream) -> tuple[Array, Array]:
-    """Departure (N', n) [rad] of each sample from the cubic over its window, and rate [rad/s]."""
+    """(N', n) [s], departure of each sample from the cubic over its window, over the rate there."""
     centres = np.arange(HALF, len(log.time) - HALF)
     rows = centres[:, None] + np.arange(-HALF, HALF + 1)
     t = log.time[rows] - log.time[centres][:, None]
     unit = np.abs(t).max()
     powers = np.linalg.pinv((t / unit)[:, :, None] ** np.arange(4))
     fit = powers[:, :2] @ log.values[rows]
-    return log.values[centres] - fit[:, 0], fit[:, 1] / unit
+    departure, rate = log.values[centres] - fit[:, 0], fit[:, 1] / unit
+    moving = (np.abs(rate) > SLOWEST).all(axis=1)
+    return departure[moving] / rate[moving]
 
 
 REST = 0.5
@@ -93,15 +85,12 @@ REST = 0.5
 def virtual_runs(
     path: WaypointPath, speed: float, n: int, seed: int, step: Callable[[], None] = lambda: None
 ) -> list[Stream]:
-    """Motor logs of n runs of the virtual large robot, by its encoders at 250 Hz.
-
-    speed: [m/s]. Runs have noise of their own.
-
-    Raises:
-        RuntimeError: a run has become unstable.
-    """
-    cell = CELLS["large"]
-    loaded = VirtualRobot(cell_model(cell, cell.xml)).load(_reference(path, speed))
+    """Motor logs of n runs of the virtual large robot at a speed [m/s], by its encoders at 250 Hz,
+    each with noise of its own. Raises RuntimeError for one that has become unstable."""
+    cell, timing = CELLS["large"], rest_to_rest(path.length, speed, PathLimits())
+    time = np.arange(-REST, timing.duration + REST, LOG_PERIOD)
+    reference = path.motor_angles(timing.at(time)[0])
+    loaded = VirtualRobot(cell_model(cell, cell.xml)).load(reference)
     runs: list[Stream] = []
     for child in np.random.SeedSequence(seed).spawn(n):
         recording = loaded.run(rng=np.random.default_rng(child))
@@ -110,12 +99,6 @@ def virtual_runs(
         runs.append(Stream(recording.time, recording.motor_angle))
         step()
     return runs
-
-
-def _reference(path: WaypointPath, speed: float) -> Array:
-    timing = rest_to_rest(path.length, speed, PathLimits())
-    time = np.arange(-REST, timing.duration + REST, LOG_PERIOD)
-    return path.motor_angles(timing.at(time)[0])
 
 
 DRAWS = 10
@@ -161,9 +144,8 @@ def compare_logs(
 ) -> PathComparison:
     """Compare logs with `runs` runs of the virtual large robot at each speed.
 
-    Raises:
-        ValueError: logs of another robot, or of a path that was not followed to its end.
-        RuntimeError: the virtual robot is unstable on this path.
+    Raises ValueError for logs of another robot, or of a path that was not followed to its end,
+    RuntimeError where the virtual robot is unstable on it.
     """
     path = waypoint_path(compile(arm.robot), logs.position, logs.phi)
     rng = np.random.default_rng(seed)
@@ -191,8 +173,7 @@ def perfect_scatter(
     """Scatter (D,) [m] that n logs show of a robot that follows the path exactly, for each draw."""
     time = np.arange(0.0, path.length / speed, STEP)
     exact = Stream(time, path.motor_angles(speed * time))
-
-    def draw() -> float:
-        return path_scatter(path, [timing.logged(exact, rng) for _ in range(n_runs)]).scatter
-
-    return np.array([draw() for _ in range(DRAWS)] if n_runs > 1 else [np.nan])
+    if n_runs < 2:
+        return np.array([np.nan])
+    draws = ([timing.logged(exact, rng) for _ in range(n_runs)] for _ in range(DRAWS))
+    return np.array([path_scatter(path, runs).scatter for runs in draws])

@@ -36,7 +36,6 @@ SLOWEST, FASTEST = 5e-3, 5.0
 class MotorLog:
     """One run along the path."""
 
-    name: str
     speed: float
     """Programmed [m/s]."""
     motors: Stream
@@ -106,7 +105,7 @@ def _log(file: Path) -> MotorLog:
         text = f"from {SLOWEST / MM:g} to {FASTEST / MM:g} mm/s"
         raise ValueError(f"{file.name}: the speed must be {text}, got {speed / MM:g}")
     motors = Stream(table[:, 0], np.radians(table[:, 2:]))
-    return MotorLog(name=file.stem, speed=speed, motors=motors)
+    return MotorLog(speed=speed, motors=motors)
 
 
 POINTS = 20001

@@ -1,11 +1,20 @@
 """The virtual controller: guidance, limits, silence, rest."""
 
+import re
+
 import numpy as np
 import pytest
 
 from armside.sim.controller import Answer, GuidanceLimits, Hold, Phase, VirtualController
 
 from .robots import CELL, MODEL, START, guided, path, programmed
+
+
+def ends_of(controller):
+    """(recording, missed answers, fallen silent) of each run of a controller, as it ends."""
+    ended = []
+    controller.on_end = lambda run, missed: ended.append((run, missed, controller.abandoned))
+    return ended
 
 
 def follow(controller, targets):
@@ -26,48 +35,44 @@ def until_waiting(controller, most=2000):
 
 
 def test_a_robot_follows_where_it_is_guided_and_ends_at_rest():
-    controller, ended = guided(), []
-    controller.on_end = lambda run, missed: ended.append((run, missed))
-    targets = path(120)
+    controller, targets = guided(), path(120)
+    ended = ends_of(controller)
     measured = follow(controller, targets)
     late = 4  # samples: delay and lag of the correction path
     assert np.abs(measured[late:] - targets[:-late]).max() < 0.2 * np.ptp(targets)
     controller.cycle(Answer(values=None, additive=False))
     assert controller.phase is Phase.STOPPING
     until_waiting(controller)
-    run, missed = ended[0]
-    assert missed == 0
-    assert not controller.abandoned
+    ((run, missed, abandoned),) = ended
+    assert missed == abandoned == 0
     assert np.abs(np.diff(run.motor_angle[-5:], axis=0)).max() < 1e-5
     np.testing.assert_allclose(np.deg2rad(controller.state().joints), START, atol=1e-3)
 
 
 def test_silence_stops_a_moving_robot_within_its_limits():
-    controller, ended, abandoned = guided(), [], []
-    controller.on_end = lambda run, missed: (
-        ended.append(run),
-        abandoned.append(controller.abandoned),
-    )
+    controller = guided()
+    ended = ends_of(controller)
     follow(controller, START + np.arange(60)[:, None] * 0.004 * np.array([2.0, -2.0]) * 0.9)
     for _ in range(controller.silence):
         assert controller.phase is Phase.GUIDED
         controller.cycle(None)
     assert controller.phase is Phase.STOPPING
     until_waiting(controller)
-    assert abandoned == [True]
-    assert not [hit for hit in ended[0].limits_hit if hit[0] == "joint"]
-    speed = np.diff(ended[0].motor_angle, axis=0) / 0.004
+    ((run, _, abandoned),) = ended
+    assert abandoned
+    assert "joint" not in {hit[0] for hit in run.limits_hit}
+    speed = np.diff(run.motor_angle, axis=0) / 0.004
     assert np.abs(speed[-1]).max() < 1e-2
 
 
 def test_a_guided_motion_slows_down_evenly_to_rest_in_a_fifth_of_a_second():
     """So it goes on for half of the way that its speed would have taken it in that time."""
-    controller, ended, rate = guided(seconds=4.0), [], np.array([1.5, -1.5])
-    controller.on_end = lambda run, missed: ended.append(run)
+    controller, rate = guided(seconds=4.0), np.array([1.5, -1.5])
+    ended = ends_of(controller)
     follow(controller, START + np.arange(60)[:, None] * 0.004 * rate)
     controller.cycle(Answer(values=None, additive=False))
     until_waiting(controller)
-    angle, late = ended[0].motor_angle, 4  # samples: delay and lag of the correction path
+    angle, late = ended[0][0].motor_angle, 4  # samples: delay and lag of the correction path
     begin, middle, end = (60 + late + round(s / 0.004) for s in (0.0, 0.1, 0.2))
     speed = np.diff(angle, axis=0) / 0.004
     np.testing.assert_allclose(speed[middle], 0.5 * rate, atol=0.2)
@@ -91,18 +96,15 @@ def test_a_target_outside_the_limits_is_refused_by_name_and_holds_the_last(targe
     for _ in range(10):
         controller.cycle(Answer(values=np.rad2deg(target), additive=False))
     assert controller.missed == 10
-    assert len(controller.refusals) == 1
-    import re
-
-    assert re.search(reason, controller.refusals[0]), controller.refusals
+    (refusal,) = controller.refusals
+    assert re.search(reason, refusal), refusal
     np.testing.assert_allclose(controller.state().joints, before, atol=0.01)
 
 
 def test_a_joint_driven_towards_its_limit_stays_inside():
     limits = GuidanceLimits.of(MODEL, CELL)
     start = np.array([limits.upper[0] - 0.8, 1.0])
-    program = Hold(start=start, seconds=4.0)
-    controller = VirtualController.standing(MODEL, CELL, program)
+    controller = VirtualController.standing(MODEL, CELL, Hold(start=start, seconds=4.0))
     largest, target = 0.0, start.copy()
     for _ in range(400):
         wish = target + np.array([0.004 * limits.speed[0], 0.0])
@@ -124,14 +126,14 @@ def test_a_correction_of_a_program_has_a_limit_of_five_degrees():
 
 
 def test_a_program_is_waited_for_and_runs_to_its_end():
-    controller, ended = programmed(), []
-    controller.on_end = lambda run, missed: ended.append((run, missed))
+    controller = programmed()
+    ended = ends_of(controller)
     for _ in range(20):
         controller.cycle(None)
     assert controller.state().time == 0
     controller.cycle(Answer(values=np.zeros(2), additive=True))
     until_waiting(controller)
-    run, missed = ended[0]
+    ((run, missed, _),) = ended
     np.testing.assert_array_equal(run.reference, path())
     assert missed == controller.silence
 

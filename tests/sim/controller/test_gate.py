@@ -14,31 +14,23 @@ RAMP = np.arange(60.0)[:, None] * T
 SHAPES = {
     "size": np.sin(0.5 * np.pi * np.arange(4001)[:, None] / 4000),
     "speed": np.minimum(RAMP, 0.1),
-    "acceleration": np.where(np.arange(60)[:, None] % 2, T**2 / 4, 0.0),
+    "acceleration": np.where(np.arange(60)[:, None] % 2, T**2 / 2, 0.0),
 }
-"""Signals whose largest value, speed and acceleration are 1, 1 and 1/2."""
-LARGEST = {"size": 1.0, "speed": 1.0, "acceleration": 0.5}
+"""Signals whose largest value, speed and acceleration are 1."""
+SHOWN = {
+    "size": ("5 deg", "5 mm"),
+    "speed": ("50 deg/s", "100 mm/s"),
+    "acceleration": ("10000 deg/s^2", "20000 mm/s^2"),
+}
 
 
 @pytest.mark.parametrize("sliding", [False, True])
 @pytest.mark.parametrize("name", SHAPES)
 def test_each_limit_holds_back_what_just_exceeds_it_and_nothing_below(name, sliding):
-    scale = LIMITS[name][sliding] / LARGEST[name]
-    for factor, held in ((1.001, True), (0.999, False)):
-        found = exceeded(factor * scale * SHAPES[name], T, slides=(sliding,))
-        assert (name in found) is held
-    assert (
-        f"axis 1 must be within {_shown(name, sliding)}"
-        in exceeded(1.001 * scale * SHAPES[name], T, slides=(sliding,))[name]
-    )
-
-
-def _shown(name, sliding):
-    return {
-        "size": ("5 deg", "5 mm"),
-        "speed": ("50 deg/s", "100 mm/s"),
-        "acceleration": ("10000 deg/s^2", "20000 mm/s^2"),
-    }[name][sliding]
+    signal = LIMITS[name][sliding] * SHAPES[name]
+    above, below = (exceeded(f * signal, T, slides=(sliding,)) for f in (1.001, 0.999))
+    assert f"axis 1 must be within {SHOWN[name][sliding]}" in above[name]
+    assert name not in below
 
 
 def test_a_correction_that_begins_beside_zero_is_a_step():

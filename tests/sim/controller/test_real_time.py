@@ -41,7 +41,7 @@ def test_an_overdue_answer_is_counted_and_serves_where_it_is_absolute(wire, serv
     server._before = state = controller.state()
     values = state.planned if serves else np.zeros(2)
     datagrams = [
-        client.encode_answer(Answer(values=values + step, additive=not serves), state)
+        client.encode_answer(Answer(values=values + step, additive=not serves), state.time)
         for step in (0.0, 0.01)
     ]
     found = server._overdue(Datagrams(*datagrams))  # pyright: ignore[reportArgumentType]
@@ -56,7 +56,7 @@ def test_without_the_clock_an_overdue_answer_is_only_counted():
     controller = guided()
     server, client = served(EgmWire(), controller), EgmWire()
     server._before = state = controller.state()
-    datagram = client.encode_answer(Answer(values=state.planned, additive=False), state)
+    datagram = client.encode_answer(Answer(values=state.planned, additive=False), state.time)
     assert server._overdue(Datagrams(datagram)) is None  # pyright: ignore[reportArgumentType]
     assert server.late == 1
 

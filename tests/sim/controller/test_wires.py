@@ -46,25 +46,13 @@ def test_a_state_arrives_bit_for_bit(wire, n, orientation):
     np.testing.assert_allclose(np.abs(got.quaternion @ sent.quaternion), 1.0, atol=1e-12)
 
 
-@pytest.mark.parametrize("time", [4, 999, 1000, 61_004])
-def test_the_clock_of_egm_is_in_seconds_and_microseconds(time):
-    """EgmClock: sec and usec; the time stamp of the header: milliseconds. Of State.time [ms]."""
-    wire = EgmWire()
-    message = wire._robot()
-    message.ParseFromString(wire.encode_state(state(time=time)))
-    for part in (message.feedBack, message.planned):
-        assert part.time.sec + 1e-6 * part.time.usec == pytest.approx(1e-3 * time, abs=1e-9)
-        assert part.time.usec < 1_000_000
-    assert message.header.tm == time
-
-
 @pytest.mark.parametrize(("wire", "additive"), [(EgmWire, False), (RsiWire, True)])
 def test_an_answer_arrives_bit_for_bit(wire, additive):
     to, values = state(), RNG.uniform(-5, 5, 6)
-    datagram = wire().encode_answer(Answer(values=values, additive=additive), to)
+    datagram = wire().encode_answer(Answer(values=values, additive=additive), to.time)
     got = wire().decode_answer(datagram, to)
     np.testing.assert_array_equal(got.values, values)
-    end = wire().encode_answer(Answer(values=None, additive=additive), to)
+    end = wire().encode_answer(Answer(values=None, additive=additive), to.time)
     assert wire().decode_answer(end, to).values is None
 
 
@@ -72,8 +60,7 @@ def test_an_answer_arrives_bit_for_bit(wire, additive):
 def test_an_answer_to_an_earlier_message_is_late(wire, additive):
     client, controller = wire(), wire()
     answers = [
-        client.encode_answer(Answer(values=np.ones(6), additive=additive), state(time=time))
-        for time in (4, 8)
+        client.encode_answer(Answer(values=np.ones(6), additive=additive), time) for time in (4, 8)
     ]
     assert controller.decode_answer(answers[0], state(time=4)) is not None
     assert controller.decode_answer(answers[1], state(time=12)) is None
@@ -127,7 +114,7 @@ def test_relative_corrections_add_up():
     client, controller, to = RsiWire(relative=True), RsiWire(relative=True), state()
     wanted = [np.full(6, value) for value in (0.5, 0.75, 0.25)]
     for values in wanted:
-        datagram = client.encode_answer(Answer(values=values, additive=True), to)
+        datagram = client.encode_answer(Answer(values=values, additive=True), to.time)
         answer = controller.decode_answer(datagram, to)
         assert answer is not None
         np.testing.assert_array_equal(answer.values, values)

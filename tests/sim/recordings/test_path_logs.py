@@ -55,9 +55,8 @@ def test_tool_and_path_are_those_of_the_waypoints():
     dense = waypoints(2000)[0]
     assert PATH.length == pytest.approx(np.linalg.norm(np.diff(dense, axis=0), axis=1).sum(), 1e-4)
     off = 2e-4 * np.random.default_rng(0).standard_normal(position.shape)
-    assert waypoint_path(ROBOT, position + off, phi).misfit == pytest.approx(
-        np.sqrt(3.0) * 2e-4, rel=0.15
-    )
+    misfit = waypoint_path(ROBOT, position + off, phi).misfit
+    assert misfit == pytest.approx(np.sqrt(3.0) * 2e-4, rel=0.15)
 
 
 def test_timing_errors_of_each_motor_are_found_whatever_its_rate():
@@ -106,13 +105,9 @@ def test_error_is_that_across_the_path_without_its_mean():
 
 
 def test_the_virtual_robot_runs_the_path_and_repeats_better_than_such_a_log():
-    part = slice(0, 35)
-    position, phi = waypoints()
-    short = PathLogs(
-        position=position[part],
-        phi=phi[part],
-        logs=tuple(MotorLog(name=str(k), speed=SPEED, motors=run) for k, run in enumerate(logs())),
-    )
+    position, phi = (values[:35] for values in waypoints())
+    runs = tuple(MotorLog(speed=SPEED, motors=run) for run in logs())
+    short = PathLogs(position=position, phi=phi, logs=runs)
     (one,) = compare_logs(CATALOGUE["large"], short, runs=2, seed=0).speeds
     assert one.n_runs == 6
     assert one.virtual.scatter < 0.1 * one.virtual_logged.scatter
@@ -156,9 +151,8 @@ def test_files_as_published_are_read_with_their_units(tmp_path):
     file = tmp_path / "run_0_v250_z10.csv"
     table[200, 0] = table[100, 0]
     np.savetxt(file, table, "%.9g", ", ", header=header, comments="")
-    with pytest.raises(
-        ValueError, match=r"column time, row .*the clock (stands still|runs backwards)"
-    ):
+    clock = r"column time, row .*the clock (stands still|runs backwards)"
+    with pytest.raises(ValueError, match=clock):
         read_path_logs(tmp_path)
     np.savetxt(file, table[:, :5], "%.9g", ", ", header=header, comments="")
     with pytest.raises(ValueError, match="must have 8 columns, got 5"):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from armside.sim.recordings import read_motion
+from armside.sim.recordings import is_motion, read_motion
 from armside.sim.recordings.recorded_motion import repaired
 
 TIME = np.arange(0.0, 20.0, 0.01)
@@ -63,6 +63,13 @@ def test_what_cannot_be_repaired_is_refused_by_name(time, values, said):
     with pytest.raises(ValueError, match="encoders: ") as error:
         repaired("encoders", time, values)
     assert said in str(error.value)
+
+
+@pytest.mark.parametrize("left_out", [None, "signals.parquet", "summary.json"])
+def test_a_run_is_a_recording_by_its_signals_and_its_summary(tmp_path, left_out):
+    for name in {"signals.parquet", "summary.json"} - {left_out}:
+        (tmp_path / name).touch()
+    assert is_motion(tmp_path) == (left_out is None)
 
 
 def test_a_folder_of_tables_is_read(tmp_path):

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from armside.scripts.shell.errors import InputError
 from armside.sim.records.atomic import write_whole
+from armside.sim.records.files import LARGEST_DATA, InputError, check_n_values
 from armside.sim.records.run_folder import RunFolder
 
 
@@ -33,13 +33,10 @@ def test_the_default_is_a_new_folder_each_time_even_within_a_second(tmp_path, mo
 
 
 def test_an_error_in_the_block_leaves_nothing(tmp_path):
-    def fail():
-        with RunFolder("laser", seed=0, out=tmp_path / "a") as folder:
-            (folder / "summary.json").write_text("{}")
-            raise KeyError("x")
-
-    with pytest.raises(KeyError):
-        fail()
+    failed = pytest.raises(KeyError)
+    with failed, RunFolder("laser", seed=0, out=tmp_path / "a") as folder:
+        (folder / "summary.json").write_text("{}")
+        raise KeyError("x")
     assert not list(tmp_path.iterdir())
 
 
@@ -56,14 +53,11 @@ def test_an_empty_folder_and_a_link_to_one_can_be_named(tmp_path):
 
 
 def test_a_folder_filled_meanwhile_is_not_overwritten(tmp_path):
-    def race():
-        with RunFolder("laser", seed=0, out=tmp_path / "a") as folder:
-            (folder / "summary.json").write_text("mine")
-            (tmp_path / "a").mkdir()
-            (tmp_path / "a" / "summary.json").write_text("theirs")
-
-    with pytest.raises(OSError, match="not empty"):
-        race()
+    full = pytest.raises(OSError, match="not empty")
+    with full, RunFolder("laser", seed=0, out=tmp_path / "a") as folder:
+        (folder / "summary.json").write_text("mine")
+        (tmp_path / "a").mkdir()
+        (tmp_path / "a" / "summary.json").write_text("theirs")
     assert (tmp_path / "a" / "summary.json").read_text() == "theirs"
     assert [p.name for p in tmp_path.iterdir()] == ["a"]
 
@@ -80,6 +74,16 @@ def test_a_results_folder_is_as_readable_as_any_other(tmp_path):
     with RunFolder("laser", seed=0, out=tmp_path / "a") as folder:
         (folder / "summary.json").write_text("{}")
     assert folder.path.stat().st_mode == (tmp_path / "plain").stat().st_mode
+
+
+def test_numbers_that_do_not_fit_are_refused_in_megabytes(tmp_path):
+    n = LARGEST_DATA // 8
+    check_n_values(tmp_path / "a.npz", n)
+    said = f"a.npz unpacks to {16 * n / 1e6:.4g} MB; at most {LARGEST_DATA / 1e6:.4g} MB are read"
+    with pytest.raises(InputError, match=re.escape(said)):
+        check_n_values(tmp_path / "a.npz", 2 * n)
+    with pytest.raises(InputError, match="unpacks"):
+        check_n_values(tmp_path / "a.npz", n + 1)
 
 
 def test_a_text_file_is_replaced_whole_or_not_at_all(tmp_path):

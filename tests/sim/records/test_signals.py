@@ -21,25 +21,16 @@ def a_recording(rng, n_log=100, step=5e-4):
     def draw(n, width):
         return rng.normal(size=(n, width))
 
-    truth = Truth(
-        time=np.arange(n_true) * step,
-        gear_angle=draw(n_true, 6),
-        spring_angle=draw(n_true, 6),
-        motor_torque=draw(n_true, 6),
-        tool_position=draw(n_true, 3),
-        tool_quaternion=draw(n_true, 4),
-        imu_acceleration=draw(n_true, 3),
-        imu_angular_velocity=draw(n_true, 3),
-        qpos=draw(n_true, 18),
-    )
+    widths = {"gear_angle": 6, "spring_angle": 6, "motor_torque": 6, "tool_position": 3}
+    widths |= {"tool_quaternion": 4, "imu_acceleration": 3, "imu_angular_velocity": 3, "qpos": 18}
+    drawn = {name: draw(n_true, width) for name, width in widths.items()}
+    truth = Truth(time=np.arange(n_true) * step, **drawn)
+    names = ("reference", "correction", "motor_angle", "motor_torque")
     return Recording(
         time=np.arange(n_log) * 0.004,
-        reference=draw(n_log, 6),
-        correction=draw(n_log, 6),
-        motor_angle=draw(n_log, 6),
-        motor_torque=draw(n_log, 6),
         truth=truth,
         limits_hit=(("torque", 3, 0.1), ("path_acceleration", 0, 1 / 3)),
+        **{name: draw(n_log, 6) for name in names},
     )
 
 

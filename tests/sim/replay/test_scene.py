@@ -1,10 +1,12 @@
 """A replay read back holds the runs: poses, magnified paths, series, on two timelines."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import mujoco
 import numpy as np
 import pytest
+from rerun.chunk import RrdReader
 
 from armside.assets import LARGE_ROBOT_XML
 from armside.kinematics import LARGE_ROBOT, LARGE_ROBOT_LIMITS
@@ -14,8 +16,10 @@ from armside.sim.motion.path import CuttingPath, Plane
 from armside.sim.motion.tool_motion import plan_cut
 from armside.sim.records.signals import RecordedRun
 from armside.sim.replay import film
-from armside.sim.replay.offscreen import widen
-from armside.sim.replay.paths import Contour
+from armside.sim.replay.entities import shapes
+from armside.sim.replay.offscreen import drawn_model, named_camera, widen
+from armside.sim.replay.paths import Contour, fitting_magnification
+from armside.sim.replay.scene import Scene, write_scenes
 from armside.sim.robot.recording import Recording, Truth
 
 RADIUS = 0.005
@@ -67,12 +71,10 @@ def a_run(k, motion, phi, excess):
     truth = Truth(
         time=time,
         gear_angle=angle,
-        spring_angle=np.zeros_like(angle),
-        motor_torque=np.zeros_like(angle),
+        **dict.fromkeys(("spring_angle", "motor_torque"), np.zeros_like(angle)),
+        **dict.fromkeys(("imu_acceleration", "imu_angular_velocity"), np.zeros_like(tool)),
         tool_position=tool,
         tool_quaternion=np.tile(TOOL_QUATERNION, (len(time), 1)),
-        imu_acceleration=np.zeros_like(tool),
-        imu_angular_velocity=np.zeros_like(tool),
         qpos=qpos,
     )
     rng = np.random.default_rng(k)
@@ -88,8 +90,6 @@ def a_run(k, motion, phi, excess):
 
 
 def write(path, mj, runs, motion):
-    from armside.sim.replay.scene import Scene, write_scenes
-
     write_scenes(path, [Scene(mj=mj, runs=runs, motion=motion, robot=LARGE_ROBOT)])
 
 
@@ -102,8 +102,6 @@ def file(tmp_path_factory, motion_and_phi, runs):
 
 def columns(path, entity):
     """Each batch of an entity's changing columns, by the short name of the component."""
-    from rerun.chunk import RrdReader
-
     for chunk in RrdReader(path).stream().to_chunks():
         if chunk.entity_path == f"/{entity}" and not chunk.is_static:
             batch = chunk.to_record_batch()
@@ -167,48 +165,28 @@ def test_bodies_are_where_forward_kinematics_puts_them(file, runs):
 
 
 def test_it_is_small_and_carries_a_blueprint(file):
-    from rerun.chunk import RrdReader
-
     assert file.stat().st_size < 10e6
     assert len(RrdReader(file).blueprints()) == 1
     assert len(RrdReader(file).recordings()) == 1
 
 
-def test_every_kind_of_visible_geom_is_drawn_once():
-    from armside.sim.replay.entities import shapes
-
+def test_every_kind_of_visible_geom_is_drawn_once_with_its_place_turn_and_colour():
     drawn = dict(shapes(mujoco.MjModel.from_xml_string(EVERY_SHAPE)))
-    assert {name.removeprefix("robot/") for name in drawn} == {
-        "world/plane",
-        "thing/box",
-        "thing/sphere",
-        "thing/ellipsoid",
-        "thing/cylinder",
-        "thing/capsule",
-        "thing/mesh_8",
-    }
-    box = drawn["robot/thing/box"]
-    np.testing.assert_allclose(box.centers.as_arrow_array().to_pylist(), [[1, 2, 3]])
-    np.testing.assert_allclose(box.half_sizes.as_arrow_array().to_pylist(), [[0.1, 0.2, 0.3]])
-    # MuJoCo centres a capsule, Rerun starts it: from z = 2 - 0.5.
-    capsule = drawn["robot/thing/capsule"]
-    np.testing.assert_allclose(capsule.translations.as_arrow_array().to_pylist(), [[0, 0, 1.5]])
-
-
-def test_geoms_are_turned_and_coloured_as_in_the_model():
-    from armside.sim.replay.entities import shapes
-
-    drawn = dict(shapes(mujoco.MjModel.from_xml_string(EVERY_SHAPE)))
-    box, sphere = drawn["robot/thing/box"], drawn["robot/thing/sphere"]
-    turn = box.quaternions.as_arrow_array().to_pylist()[0]
-    np.testing.assert_allclose(turn, [0.8, 0.0, 0.0, 0.6], rtol=0, atol=1e-6)  # w last
-    red, blue = (shape.colors.as_arrow_array().to_pylist()[0] for shape in (box, sphere))
-    assert (red, blue) == (0xFF0000FF, 0x0000FFFF)
+    kinds = ("box", "sphere", "ellipsoid", "cylinder", "capsule", "mesh_8")
+    assert set(drawn) == {"robot/world/plane", *(f"robot/thing/{kind}" for kind in kinds)}
+    box, sphere, capsule = (drawn[f"robot/thing/{kind}"] for kind in ("box", "sphere", "capsule"))
+    for batch, wanted in (
+        (box.centers, [1, 2, 3]),
+        (box.half_sizes, [0.1, 0.2, 0.3]),
+        (box.quaternions, [0.8, 0.0, 0.0, 0.6]),  # w last
+        (box.colors, 0xFF0000FF),
+        (sphere.colors, 0x0000FFFF),
+        (capsule.translations, [0, 0, 1.5]),  # MuJoCo centres one, Rerun starts it: 2 - 0.5
+    ):
+        np.testing.assert_allclose(batch.as_arrow_array().to_pylist(), [wanted], rtol=1e-6)
 
 
 def test_a_mesh_is_drawn_where_the_physics_has_it():
-    from armside.sim.replay.entities import shapes
-
     mj = mujoco.MjModel.from_xml_string(EVERY_SHAPE)
     data = mujoco.MjData(mj)
     data.qpos[:] = [0, 0, 0, 1, 0, 0, 0]  # the body's frame is the world's
@@ -239,8 +217,6 @@ def test_motors_that_follow_exactly_show_no_deviation_though_the_tool_does(
 
 
 def test_the_camera_is_widened_until_no_shape_is_cut_off_and_no_further():
-    from armside.sim.replay.offscreen import drawn_model, named_camera, widen
-
     mj = drawn_model(MJ, LARGE_ROBOT_XML)
     data, camera = mujoco.MjData(mj), named_camera(mj, "whole")
     i, wide = camera.fixedcamid, 80.0
@@ -272,6 +248,21 @@ def test_a_small_round_hole_of_a_part_is_drawn_as_wide_as_high():
     spread = [np.sqrt(np.cov(at, aweights=ink.sum(axis=axis))) for axis in (0, 1)]
     assert spread[0] > 4.0
     assert spread[0] == pytest.approx(spread[1], rel=0.02)
+
+
+def test_a_film_has_twelve_and_a_half_pictures_in_each_second_of_a_run():
+    run = SimpleNamespace(recording=SimpleNamespace(time=np.arange(0.0, 2.001, 0.01)))
+    assert film.RATE == 12.5
+    np.testing.assert_allclose(film._times(run), 0.08 * np.arange(25), atol=1e-12)  # below 2 s
+
+
+@pytest.mark.parametrize(
+    ("worst", "factor"),
+    [(0.015, 50), (0.016, 20), (0.0376, 10), (0.076, 5), (0.151, 2), (0.375, 2), (0.376, 1)],
+)
+def test_the_largest_magnified_deviation_is_at_most_three_quarters_of_the_half_size(worst, factor):
+    contour = SimpleNamespace(is_part=False, worst=worst, half_size=1.0)
+    assert fitting_magnification([contour]) == factor
 
 
 BALL = """

@@ -69,9 +69,7 @@ def test_written_by_hand_with_routines_offsets_frames_and_external_axes(ending):
     cut = [i for i in read.program.instructions if isinstance(i, MoveL) and i.speed.path == 0.04]
     assert len(cut) >= 2
     assert cut[0].to.position == pytest.approx((0.002, 0.0005, 0.0), abs=1e-12)
-    linear = next(
-        p for p, i in zip(read.places, read.program.instructions, strict=True) if i is cut[0]
-    )
+    linear = read.places[read.program.instructions.index(cut[0])]
     base = linear.base.pose
     np.testing.assert_allclose(base[:3, :2], [[0, -1], [1, 0], [0, 0]], atol=1e-12)
     assert base[0, 3] == pytest.approx(0.8)

@@ -68,9 +68,8 @@ def test_longer_blocks_take_longer_at_the_same_speed(program):
     tools = [pose(np.ascontiguousarray(phi[: len(on)][on])) for phi in (same.reference, r)]
     away = np.linalg.norm((tools[0] - tools[1])[:, :3, 3], axis=1)
     assert np.median(away) < 10 * UM  # both anticipate the deflection, the program smoothly
-    np.testing.assert_allclose(
-        cruise(program.run(grown(program, 1.1))), 1.1, rtol=1e-6
-    )  # chords of 20 um
+    larger = program.run(grown(program, 1.1))
+    np.testing.assert_allclose(cruise(larger), 1.1, rtol=1e-6)  # chords of 20 um
 
 
 SLOWER = [

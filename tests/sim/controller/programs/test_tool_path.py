@@ -125,52 +125,36 @@ TOOL = (np.array([0.01, -0.02, 0.15]), Rotation.from_euler("y", 0.7))
 WORK = (np.array([0.8, -0.1, 0.5]), Rotation.from_euler("Z", 1.2))
 
 
-def text_of(language, targets, zone=0.001, tool=TOOL, work=WORK, change=None):
-    """A program for targets of TCP0 in base axes (M, 3), with a tool in a work object."""
-    at = WORK[1].inv().apply(targets + TURN.apply(tool[0]) - work[0])
-    turn = WORK[1].inv() * TURN * tool[1]
-
-    def q(r):
-        return ",".join(f"{v:.12f}" for v in r.as_quat(scalar_first=True))
-
-    def mm(p):
-        return [f"{1e3 * v:.3f}" for v in p]
-
+def pose_of(language, at, turn):
     if language == "rapid":
-        head = [f"PERS tooldata t:=[TRUE,[[{','.join(mm(tool[0]))}],[{q(tool[1])}]],[1,[0,0,1],"]
-        head += [
-            "[1,0,0,0],0,0,0]];",
-            f'PERS wobjdata w:=[FALSE,TRUE,"",[[{",".join(mm(work[0]))}],',
-        ]
-        head += [
-            f"[{q(work[1])}]],[[0,0,0],[1,0,0,0]]];",
-            f"CONST zonedata z:=[FALSE,{1e3 * zone},",
-        ]
-        head += ["1,1,1,1,1];", "PROC main()"]
-        ax = ",".join(["9E9"] * 6)
-        moves = [
-            f"MoveL [[{','.join(mm(p))}],[{q(turn)}],[0,0,0,0],[{ax}]],v40,z,t\\WObj:=w; ! {i}"
-            for i, p in enumerate(at)
-        ]
-        lines = ["MODULE m", *head, *moves, "ENDPROC", "ENDMODULE"]
+        form, turned = "[[{:.3f},{:.3f},{:.3f}],[{:.12f},{:.12f},{:.12f},{:.12f}]]", turn.as_quat
+        return form.format(*(1e3 * at), *turned(scalar_first=True))
+    if language == "krl":
+        form = "{{X {:.3f},Y {:.3f},Z {:.3f},A {:.10f},B {:.10f},C {:.10f}}}"
+        return form.format(*(1e3 * at), *turn.as_euler("ZYX", degrees=True))
+    form = "p[{:.6f}, {:.6f}, {:.6f}, {:.11f}, {:.11f}, {:.11f}]"
+    return form.format(*at, *turn.as_rotvec())
+
+
+def text_of(language, targets, zone=0.001, change=None):
+    """A program for targets of TCP0 in base axes (M, 3), with a tool in a work object."""
+    turn = WORK[1].inv() * TURN * TOOL[1]
+    at = WORK[1].inv().apply(targets + TURN.apply(TOOL[0]) - WORK[0])
+    poses = [pose_of(language, p, turn) for p in at]
+    tool, work = pose_of(language, *TOOL), pose_of(language, *WORK)
+    if language == "rapid":
+        lines = ["MODULE m", f"PERS tooldata t:=[TRUE,{tool},[1,[0,0,1],", "[1,0,0,0],0,0,0]];"]
+        lines += ['PERS wobjdata w:=[FALSE,TRUE,"",', f"{work},[[0,0,0],[1,0,0,0]]];"]
+        lines += [f"CONST zonedata z:=[FALSE,{1e3 * zone},", "1,1,1,1,1];", "PROC main()"]
+        axes = f"[0,0,0,0],[{','.join(['9E9'] * 6)}]"
+        lines += [f"MoveL {p[:-1]},{axes}],v40,z,t\\WObj:=w; ! {i}" for i, p in enumerate(poses)]
+        lines += ["ENDPROC", "ENDMODULE"]
     elif language == "krl":
-
-        def frame(p, r):
-            x, y, z = mm(p)
-            a, b, c = (f"{v:.10f}" for v in r.as_euler("ZYX", degrees=True))
-            return f"{{X {x},Y {y},Z {z},A {a},B {b},C {c}}}"
-
-        head = [f"$TOOL={frame(*tool)}", f"$BASE={frame(*work)}", "$VEL.CP=0.04"]
-        head += [f"$APO.CDIS={1e3 * zone}"]
-        lines = ["DEF m( )", *head, *(f"LIN {frame(p, turn)} C_DIS" for p in at), "END"]
+        lines = ["DEF m( )", f"$TOOL={tool}", f"$BASE={work}", "$VEL.CP=0.04"]
+        lines += [f"$APO.CDIS={1e3 * zone}", *(f"LIN {p} C_DIS" for p in poses), "END"]
     else:
-
-        def pose(p, r):
-            numbers = [*(f"{v:.6f}" for v in p), *(f"{v:.11f}" for v in r.as_rotvec())]
-            return f"p[{', '.join(numbers)}]"
-
-        moves = [f"movel(pose_trans(w, {pose(p, turn)}), v=0.04, r={zone})" for p in at]
-        lines = [f"set_tcp({pose(*tool)})", f"w = {pose(*work)}", *moves]
+        lines = [f"set_tcp({tool})", f"w = {work}"]
+        lines += [f"movel(pose_trans(w, {p}), v=0.04, r={zone})" for p in poses]
     content = "\n".join([*lines, ""])
     return Text(f"m{ENDINGS[language]}", content.replace(*change) if change else content)
 
@@ -222,11 +206,7 @@ def test_a_run_without_a_correction_leaves_every_byte(language):
 
 FOURTH = "]],v40,z,t\\WObj:=w; ! 4"
 UNFIT = [
-    (
-        "rapid",
-        ("tooldata t:", "tooldata u:"),
-        "line 10, column 1: the pose of t is not in the file",
-    ),
+    ("rapid", ("tooldata t:", "tooldata u:"), "line 10, column 1: the pose of t is not in the fi"),
     ("rapid", (f"9E9{FOURTH}", f"12{FOURTH}"), "line 13, column 1: external axes move"),
     ("krl", ("$BASE={X 800", "$BASE={X 900"), "no linear moves within 1 mm"),
     ("urscript", ("set_tcp", "textmsg"), "line 4, column 1: the pose of the installation's TCP"),
@@ -248,12 +228,9 @@ def test_offsets_orientations_and_arcs_that_do_not_fit_are_refused():
     text = text_of("krl", made.targets)
     with pytest.raises(ValueError, match=r"move by 6 mm, at most 5 mm"):
         corrected(read_program(text), [(run, np.add(run, [0, 0, 6e-3]))], R)
+    turned = R @ Rotation.from_euler("x", 2, degrees=True).as_matrix()
     with pytest.raises(ProgramError, match=r"line 6, column 1: the orientation is 2 deg"):
-        corrected(
-            read_program(text),
-            [(run, run)],
-            R @ Rotation.from_euler("x", 2, degrees=True).as_matrix(),
-        )
+        corrected(read_program(text), [(run, run)], turned)
     far = "\n".join(f"LIN {{X 0,Y {90000 * (i % 2)},Z 0,A 0,B 0,C 0}}" for i in range(4))
     with pytest.raises(ValueError, match=r"270(\.\d)? m of linear moves, at most 200 m"):
         corrected(read_program(Text("m.src", KRL.format(far))), [(run, run)], R)
