@@ -15,7 +15,6 @@ from gymnasium.utils.seeding import np_random
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from ..motion.tool_motion import motion_notes
 from ..notes import Note, Tally
 from ..robot.run import cores
 from .episode_task import whole
@@ -215,8 +214,7 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         """Count the notes of the last run of these robots."""
         for i in robots:
             if (situation := self._situations[i]) is not None:
-                made = situation.experiment
-                self.tally.add((*motion_notes(made.motion, made.cut.limits), *situation.notes))
+                self.tally.add(situation.all_notes)
 
     def _order(self, i: int) -> int:
         situation = self._situations[i]
