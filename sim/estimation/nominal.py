@@ -94,13 +94,6 @@ class NominalArm:
         mj.actuator_biasprm[springs, 1], mj.actuator_biasprm[springs, 2] = -K, -D
         return replace(self, mj=mj, stiffness=K, damping=D)
 
-    def spring_input(self, phi: Array, phi_dot: Array) -> Array:
-        """(..., n) controls of motor angles and rates (..., n).
-
-        K (phi - q) + D (phi' - q') = K (control - q) - D q'.
-        """
-        return phi + self.damping / self.stiffness * phi_dot
-
 
 def nominal_arm(robot: RobotModel, cfg: NominalCfg = NominalCfg()) -> NominalArm:
     """Nominal arm of a robot loaded from its MJCF file, as the file has it: payload and all.
@@ -115,9 +108,9 @@ def nominal_arm(robot: RobotModel, cfg: NominalCfg = NominalCfg()) -> NominalArm
     missing = [f"flex_{i}" for i in numbers if spec.joint(f"flex_{i}") is None]
     if missing:
         raise ModelError(f"the robot model lacks the joint {', '.join(missing)}")
-    gears = [(j.stiffness, j.damping) for j in (spec.joint(f"flex_{i}") for i in numbers)]
-    stiffness = np.array([float(np.ravel(k)[0]) for k, _ in gears]) * cfg.stiffness
-    damping = np.array([float(np.ravel(d)[0]) for _, d in gears]) * cfg.damping
+    gears = [spec.joint(f"flex_{i}") for i in numbers]
+    stiffness = np.array([np.ravel(gear.stiffness)[0] for gear in gears]) * cfg.stiffness
+    damping = np.array([np.ravel(gear.damping)[0] for gear in gears]) * cfg.damping
     if not cfg.structure:
         without(spec, Flexibility.GEARS)
     _replace_motors_by_springs(spec, robot.n_axes)
@@ -126,7 +119,7 @@ def nominal_arm(robot: RobotModel, cfg: NominalCfg = NominalCfg()) -> NominalArm
     gear_dofs = [int(mj.joint(f"flex_{i}").dofadr[0]) for i in numbers]
     axes = np.searchsorted(free_joints(mj), gear_dofs)
     arm = NominalArm(mj=mj, axes=axes, stiffness=stiffness, damping=damping)
-    return arm.with_springs(arm.stiffness, damping)
+    return arm.with_springs(stiffness, damping)
 
 
 def _release_brakes(spec: mujoco.MjSpec) -> None:

@@ -67,7 +67,7 @@ def sensitivities(motion: RigidMotion, nominal: Elasticity, theta: Array, J: Arr
     n_springs = len(nominal.stiffness) + 3
 
     def displaced(at: Array) -> Array:
-        d = deflection(motion, parameters_at(nominal, at, 1.0).springs).angle
+        d = deflection(motion, parameters_at(nominal, at).springs).angle
         path = (J @ d[:, :, None])[:, :, 0]
         return path - path[:REST_SAMPLES].mean(axis=0)
 

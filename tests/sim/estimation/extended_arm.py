@@ -43,7 +43,7 @@ def start_covariance(model: ArmFilter) -> Array:
         low, noise = 2 * n + 6 * k, triad.noise_density * np.sqrt(triad.bandwidth)
         P[low : low + 3] = noise**2
         P[low + 3 : low + 6] = (noise * 2.0 * np.pi * triad.bandwidth) ** 2
-    P[m:-6] = (model.process_noise.torque(model.arm) * START_TORQUE) ** 2
+    P[m:-6] = (model.torque * START_TORQUE) ** 2
     P[-6:-3] = (10.0 * imu.accelerometer.bias + 9.82 * 0.05) ** 2
     P[-3:] = (10.0 * imu.gyroscope.bias + 1e-3) ** 2
     return np.diag(P)
@@ -179,7 +179,7 @@ class ExtendedArm:
         J[:3, axes], J[3:, axes] = H[n + 3 :, 2 * n :], H[n : n + 3, n : 2 * n]
         gravity[:, axes] = H[n + 3 :, :n]
         moved = replace(model.arm, mass=mass, imu_jacobian=J, imu_gravity=gravity)
-        return arm_filter(moved, model.imu, model.process_noise)
+        return arm_filter(moved, model.imu, self.known.parameters.process_noise)
 
     def _path(self, states: Array) -> Array:
         """(N, 3): the tool's displacement from rest."""

@@ -13,7 +13,6 @@ from armside.ilc.estimation.kalman import Smoother
 from armside.ilc.estimation.wiener import NonCausal
 from armside.kinematics.robots import IMU_LINKS
 from armside.sim.cell import ToolPose
-from armside.sim.estimation.arm_filter import ProcessNoise
 from armside.sim.estimation.commissioning import UNIDENTIFIED, commission
 from armside.sim.estimation.deflection import deflection, explained, residual
 from armside.sim.estimation.elasticity import ArmParameters
@@ -53,7 +52,7 @@ def on_gears(first, known):
         lost_motion=np.zeros(6),
     )
     found = replace(known.parameters, springs=springs)
-    return ToolEstimator(arm, found, IMU, ProcessNoise(), motion)
+    return ToolEstimator(arm, found, IMU, motion)
 
 
 def test_measurement_matrices_are_those_of_the_toolbox(on_gears):
