@@ -52,11 +52,6 @@ class Observation:
     explained: Spectrum | None = None
     """(B, c) complex, part of the residual's spectrum that is no noise, as far as it is known."""
 
-    @property
-    def n_joints(self) -> int:
-        """Number of joints."""
-        return self.phi.shape[1]
-
     @cached_property
     def target(self) -> Spectrum:
         """(B, c) complex, weighted spectrum of the residual in the band."""
