@@ -107,7 +107,7 @@ def reprocessed(result: ImuResult, processing: ProcessingCfg) -> ImuResult:
 
 def _evaluated(experiment: ImuExperiment, planned: PlannedProgram, run: ImuRun) -> ImuResult:
     mj = planned.loaded.model.mj
-    evaluation = evaluate(run, experiment.cell, experiment.processing, gravity=-mj.opt.gravity)
+    evaluation = evaluate(run, experiment.cell, experiment.processing, -mj.opt.gravity)
     measures = measure(run, evaluation, mj, since=planned.since)
     return ImuResult(experiment, planned, run, evaluation, measures)
 
@@ -136,12 +136,11 @@ def clock_errors(
     """
     recording, experiment = result.run.recording, result.experiment
     log, robot = (recording.time, recording.motor_angle), experiment.cell.with_imu
-    cfg = replace(experiment.imu, clock_offset=apart)
-    runs = (_measured(recording, cfg, rng) for rng in rngs)
-    errors = [
-        find_offset(run.samples, *log, robot, experiment.processing) - run.imu.clock_offset
-        for run in runs
-    ]
+    cfg, errors = replace(experiment.imu, clock_offset=apart), []
+    for rng in rngs:
+        run = _measured(recording, cfg, rng)
+        found = find_offset(run.samples, *log, robot, experiment.processing)
+        errors.append(found - run.imu.clock_offset)
     return np.array(errors)
 
 
@@ -168,21 +167,20 @@ def results(runs: Sequence[ImuResult]) -> dict[str, Any]:
 
 def notes(runs: Sequence[ImuResult]) -> list[Note]:
     """Notes of all programs, each once with the runs that it concerns."""
-    return together(note.at(k) for k, one in enumerate(runs) for note in _of_run(one))
-
-
-def _of_run(one: ImuResult) -> Iterator[Note]:
-    yield from slower_moves(one.planned.motion)
-    yield from saturation(one.run.recording)
-    samples = one.run.samples
-    for name, clipped in (
-        ("accelerometer", samples.acceleration_clipped),
-        ("gyro", samples.angular_velocity_clipped),
-    ):
-        if clipped.any():
-            fraction = 100.0 * float(clipped.any(axis=1).mean())
-            text = f"{fraction:.2g} % of the {name}'s samples are clipped at its range"
-            yield Note(cause=Cause.IMU, text=text)
+    found = []
+    for k, one in enumerate(runs):
+        samples = one.run.samples
+        own = [*slower_moves(one.planned.motion), *saturation(one.run.recording)]
+        for name, clipped in (
+            ("accelerometer", samples.acceleration_clipped),
+            ("gyro", samples.angular_velocity_clipped),
+        ):
+            if clipped.any():
+                fraction = 100.0 * float(clipped.any(axis=1).mean())
+                text = f"{fraction:.2g} % of the {name}'s samples are clipped at its range"
+                own.append(Note(cause=Cause.IMU, text=text))
+        found += [note.at(k) for note in own]
+    return together(found)
 
 
 def causes(

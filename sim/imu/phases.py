@@ -18,7 +18,6 @@ from ..motion.instructions import Program, Wait
 from ..motion.planner import ProgramMotion
 from ..robot.linkage import checked_loop_error
 from ..robot.recording import Recording
-from .compensation import GRAVITY
 from .measured_beside_predicted import ImuComparison, compare, moving_rms
 from .predicted_motion import ProcessingCfg
 
@@ -63,17 +62,12 @@ def idle_peaks(recording: Recording) -> Array:
     period = float(recording.time[1] - recording.time[0])
     moving = np.abs(np.gradient(recording.reference, period, axis=0)) > MOVING
     peaks = np.full(recording.reference.shape[1], np.nan)
-    for start, stop in _stretches(np.any(moving, axis=1)):
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], moving.any(axis=1), [False]))))
+    for start, stop in edges.reshape(-1, 2).tolist():  # of each stretch in which any moves
         for axis in np.flatnonzero(~moving[start:stop].any(axis=0)):
             angle = recording.motor_angle[start:stop, axis]
             peaks[axis] = np.fmax(peaks[axis], np.abs(angle - angle[0]).max())
     return peaks
-
-
-def _stretches(flag: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """(first, one past last) of each run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], flag, [False]))))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 
 
 WINDOW = 0.5
@@ -103,13 +97,8 @@ class Evaluation:
     """(N, 3) [m], true TCP0."""
 
 
-def evaluate(
-    run: ImuRun, cell: Cell, cfg: ProcessingCfg | None = None, *, gravity: Array = GRAVITY
-) -> Evaluation:
-    """Compare measured with predicted motion, of the IMU and of the tool.
-
-    gravity: (3,) [m/s^2], specific force at rest in base axes.
-    """
+def evaluate(run: ImuRun, cell: Cell, cfg: ProcessingCfg, gravity: Array) -> Evaluation:
+    """Compare measured with predicted motion, of the IMU and of the tool; gravity as `compare`."""
     recording = run.recording
     logged = recording.time, recording.motor_angle
     comparison = compare(run.samples, *logged, cell.with_imu, cfg, gravity=gravity)
