@@ -98,10 +98,8 @@ def linearised(arm: NominalArm, phi: Array) -> LinearisedArm:
 
 
 def at_rest(arm: NominalArm, phi: Array) -> Array:
-    """(n,) [rad], the arm's free joints with its motors held at phi (a,).
-
-    Raises RuntimeError when the springs cannot carry the arm.
-    """
+    """(n,) [rad], the free joints with the motors held at phi (a,). Raises RuntimeError when the
+    springs cannot carry the arm."""
     motion = arm.motion
     mj, data = motion.mj, motion.data()
     q = np.zeros(arm.n_free)

@@ -49,10 +49,8 @@ class ToolLaw:
     """Reduce the gain when errors no longer fall."""
 
     def along(self, plants: PathPlants, turn_rate: float, *, rotations: bool = True) -> Law:
-        """The law on the arm along a path: the inverse fades from place to place.
-
-        The other kinds are built on the plant in the middle. Arguments and errors as of `law`.
-        """
+        """The law along a path, as `law`: the inverse fades from place to place, the other kinds
+        are built on the plant in the middle."""
         mode = plants.lowest_mode
         if self.kind is not ToolLawKind.INVERSE:
             return self.law(plants.middle, turn_rate, rotations=rotations, lowest_mode=mode)

@@ -237,11 +237,8 @@ def coverage(done: GearAnalysis) -> tuple[Coverage, ...]:
 
 
 def coverage_notes(done: GearAnalysis) -> tuple[str, ...]:
-    """A line for each recording that a sensor saw a part of, joint of which nothing was found, and
-    recording without a judge.
-
-    Of an error that is missed the line states the median over the orders.
-    """
+    """A line for each recording that a sensor saw a part of or no tracker judges, and each joint of
+    which nothing was found, with the median over the orders of what is missed."""
     found = set() if done.found is None else {term.joint for term in done.found.terms}
     notes = []
     for one in done.aligned:

@@ -132,10 +132,8 @@ def _with_slopes(one: Observation, terms: Sequence[Candidate], x: Array) -> Spec
 
 
 def _scores(one: Observation, X: Spectrum, residual: Spectrum) -> Array:
-    """Sum of the outer products of the scores of stretches of time, which vary in noise.
-
-    (m, m). Vibration comes and goes with the motion, so frequencies are not independent.
-    """
+    """(m, m), sum of the outer products of the scores of stretches of time: vibration comes and
+    goes with the motion, so frequencies are not independent."""
     left = one.in_time(residual)
     starts = np.arange(0, len(left), int(BLOCK * one.sampling))
     scores = np.zeros((len(starts), X.shape[2]))

@@ -155,10 +155,8 @@ class Observation:
         return np.sqrt(smoothed(power, half)).astype(np.float32)
 
     def reweighted(self, weighted: Spectrum) -> "Observation":
-        """The same with its noise taken from what a model (B, c), weighted, leaves of it.
-
-        Weights that are made of signal and noise together make every amplitude too small.
-        """
+        """The same with its noise taken from what a model (B, c), weighted, leaves of it: signal
+        and noise together as weights make every amplitude too small."""
         return replace(self, explained=weighted * self._weight)
 
     def in_time(self, spectrum: Spectrum) -> Array:

@@ -48,10 +48,8 @@ class Course:
         return reduce(add, (self.scans[k] for k in lesson))
 
     def learn(self, lesson: Sequence[int]) -> tuple[Transmission | None, Transmission | None]:
-        """Transmission error by some of the observations, and the fit of as many sham orders.
-
-        None where no order stands out from chance.
-        """
+        """Transmission error by some of the observations, and the fit of as many sham orders; None
+        where no order stands out from chance."""
         total, own = self.total(lesson), [self.observations[k] for k in lesson]
         candidates = peaks(total, self.apart, CANDIDATES)
         equations = normal(own, candidates)

@@ -39,14 +39,9 @@ RAMP = 3.0
 def excitation(
     centre: Array, limits: Limits, rng: np.random.Generator, slides: Sequence[bool]
 ) -> Array:
-    """Motor angles (N, n) [rad] at the log rate around `centre` (n,): sums of sines.
-
-    Where a joint limit is near, the whole motion is made smaller. slides: (n,), True for each
-    prismatic axis, whose motion is in [m].
-
-    Raises ValueError for a centre outside of the limits, or so near that hardly any motion is left;
-    names the axis.
-    """
+    """Motor angles (N, n) [rad] at the log rate around `centre` (n,): sums of sines, in [m] of
+    `slides`, made smaller where a joint limit is near. Raises ValueError where hardly any motion is
+    left; names the axis."""
     time = np.arange(0.0, DURATION, LOG_PERIOD)
     motion = np.zeros((len(time), len(centre)))
     for joint in range(len(centre)):

@@ -32,10 +32,8 @@ def mean_removed(vector: Array, rest: NDArray[np.bool_]) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Calibration:
-    """Constant errors of a mounted IMU: reading = R_site_imu^T @ ideal + bias.
-
-    R (3, 3); biases (3,) [m/s^2] and (3,) [rad/s].
-    """
+    """Constant errors of a mounted IMU: reading = R_site_imu^T @ ideal + bias; R (3, 3), biases
+    (3,) [m/s^2] and [rad/s]."""
 
     R_site_imu: Array
     accelerometer_bias: Array

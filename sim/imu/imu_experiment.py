@@ -73,10 +73,8 @@ class ImuResult:
 
 
 def prepare(experiment: ImuExperiment) -> list[PlannedProgram]:
-    """Read, plan and load the motion programs.
-
-    Raises ValueError or OSError for a program that is wrong, unreachable or missing.
-    """
+    """Read, plan and load the motion programs. Raises ValueError or OSError for a program that is
+    wrong, unreachable or missing."""
     cell, model = experiment.cell, experiment.model()
     robot, planned = VirtualRobot(model), list[PlannedProgram]()
     for name, program in experiment.programs(model).items():
@@ -113,10 +111,8 @@ def _evaluated(experiment: ImuExperiment, planned: PlannedProgram, run: ImuRun) 
 
 
 def sense(loaded: LoadedReference, cfg: ImuCfg, seed: int) -> ImuRun:
-    """Run a loaded reference once with an IMU on the tool.
-
-    seed: of the robot's noise and of the IMU individual, in separate streams.
-    """
+    """Run a loaded reference once with an IMU on the tool; seed: of the robot's noise and of the
+    IMU individual, in separate streams."""
     of_robot, of_imu = (np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(2))
     return _measured(loaded.run(rng=of_robot), cfg, of_imu)
 
@@ -130,10 +126,8 @@ def _measured(recording: Recording, cfg: ImuCfg, rng: np.random.Generator) -> Im
 def clock_errors(
     result: ImuResult, rngs: Sequence[np.random.Generator], *, apart: float = 0.4
 ) -> Array:
-    """Errors of the clock offset (n,) [s], estimated for other IMU individuals on the same run.
-
-    apart: largest offset of their clocks [s]; by default as far as a start by hand may be off.
-    """
+    """Errors of the clock offset (n,) [s] for other IMU individuals on the same run, whose clocks
+    are up to `apart` [s] off: as far as a start by hand may be."""
     recording, experiment = result.run.recording, result.experiment
     log, robot = (recording.time, recording.motor_angle), experiment.cell.with_imu
     cfg, errors = replace(experiment.imu, clock_offset=apart), []
@@ -186,10 +180,8 @@ def notes(runs: Sequence[ImuResult]) -> list[Note]:
 def causes(
     experiment: ImuExperiment, seed: int, each: Callable[[ImuResult], None] = lambda run: None
 ) -> Iterator[tuple[str, Measures]]:
-    """Measures of the first program with each cause of the error changed, by its name.
-
-    each: called with each run, of which there are two: the others process one of them again.
-    """
+    """Measures of the first program with each cause of the error changed, by its name; `each` is
+    called with the two runs, which the others process again."""
     cfg = experiment.processing
     base = run_one(experiment, prepare(experiment)[0], seed)
     each(base)

@@ -30,10 +30,8 @@ SLOW_CIRCLE, FAST_CIRCLE, RECTANGLE = 0.5, 1.0, 5.0
 
 
 def synchronised_at(program: Program, motion: ProgramMotion) -> float:
-    """End of the first long wait after a move [s]: what comes before synchronises the clocks.
-
-    0 for a program without one: all of it is the experiment.
-    """
+    """End of the first long wait after a move [s], before which clocks are synchronised; 0 without
+    one."""
     moved = False
     for index, instruction in enumerate(program.instructions):
         if not isinstance(instruction, Wait):
@@ -139,10 +137,8 @@ class Measures:
 def measure(
     run: ImuRun, evaluation: Evaluation, mj: mujoco.MjModel, *, since: float = 0.0
 ) -> Measures:
-    """Error measures of one run from the instant `since` [s] on.
-
-    Raises RuntimeError for a closed chain that did not stay closed.
-    """
+    """Error measures of one run from the instant `since` [s] on. Raises RuntimeError for a closed
+    chain that did not stay closed."""
     comparison = evaluation.comparison
     late = comparison.time >= since
     omega, a = comparison.angular_velocity_error[late], comparison.acceleration_error[late]

@@ -21,10 +21,8 @@ QUANTILE = 0.997  # The level that a normal signal exceeds as rarely as three st
 
 @dataclass(frozen=True)
 class Rest:
-    """Vibration at rest, motors off and on; vectors are x, y, z of the IMU [m/s^2].
-
-    RMS about the mean; spectra (F, 3) [(m/s^2)^2/Hz] over frequency (F,) [Hz].
-    """
+    """Vibration at rest, motors off and on; x, y, z of the IMU [m/s^2]: RMS about the mean, spectra
+    (F, 3) [(m/s^2)^2/Hz] over frequency (F,) [Hz]."""
 
     off_rms: Array
     on_rms: Array
@@ -66,10 +64,8 @@ def run_rest(experiment: RestExperiment, seed: int = 0) -> RestResult:
 
 
 def at_rest(samples: ImuSamples, motors_on_at: float, rate: float) -> Rest:
-    """Vibration before and after the motors were switched on.
-
-    motors_on_at: [s], by the IMU's clock. rate: of the samples [Hz].
-    """
+    """Vibration before and after the motors were switched on, [s] by the IMU's clock; rate: of the
+    samples [Hz]."""
     off = samples.acceleration[samples.time < motors_on_at]
     on = samples.acceleration[samples.time >= motors_on_at + SETTLING_TIME]
     (frequency, off_spectrum), (_, on_spectrum) = (power_spectrum(a, rate) for a in (off, on))

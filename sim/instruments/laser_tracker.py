@@ -102,10 +102,8 @@ class Registration:
 
 
 def best_fit(p_tracker: ArrayLike, p_base: ArrayLike) -> Registration:
-    """Rigid motion that fits points (M, 3) to their targets, least squares (Kabsch).
-
-    Raises ValueError for fewer than three points, or all on one line.
-    """
+    """Rigid motion that fits points (M, 3) to their targets, least squares (Kabsch). Raises
+    ValueError for fewer than three points, or all on one line."""
     a, b = np.asarray(p_tracker, dtype=np.float64), np.asarray(p_base, dtype=np.float64)
     if a.shape != b.shape or a.ndim != 2 or a.shape[1] != 3:
         raise ValueError(f"points must both have shape (M, 3), got {a.shape} and {b.shape}")

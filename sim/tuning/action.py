@@ -92,10 +92,8 @@ def design_of(action: ArrayLike, motors: Motors, n_axes: int = SIX) -> Design:
 
 
 def action_of(design: Design, motors: Motors, n_axes: int = SIX) -> np.ndarray:
-    """The float32 action that stands for a design, to the rounding of float32.
-
-    Raises ValueError for a design outside of the ranges, or of another number of motors.
-    """
+    """The float32 action that stands for a design. Raises ValueError for a design outside of the
+    ranges, or of another number of motors."""
     parts, count = [], motors.count(n_axes)
     for variable in VARIABLES:
         value = np.array(getattr(design, variable.name), dtype=np.float64)

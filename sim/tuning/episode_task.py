@@ -116,11 +116,8 @@ IMMOVABLE = 1e-6
 
 
 def candidates(cell: Cell, near: ToolPose, drawn: ToolPose) -> Iterator[ToolPose]:
-    """The drawn pose, moved ever closer to the named one, which comes last.
-
-    Where the tool's orientation is free, offsets keep to the directions in which the tool moves: an
-    arm in a plane stays in it.
-    """
+    """The drawn pose, moved ever closer to the named one, which comes last. Where orientation is
+    free, an arm in a plane stays in it."""
     base = np.array(near.position)
     offset = np.array(drawn.position) - base
     if cell.free_rotation:
@@ -198,12 +195,8 @@ def draw(
     shapes: Shapes = Shapes(),
     ranges: Ranges = RANGES[0],
 ) -> Task:
-    """Draw a task for a cell, or that of a name; what `options` gives is taken instead.
-
-    The draws do not depend on the options, which are those of `IlcTuningEnv.reset`: fixing the
-    speed leaves the pose of a seed. Raises ValueError for one that does not exist or is out of
-    range.
-    """
+    """Draw a task for a cell, or that of a name; what `options` gives is taken instead, and leaves
+    the other draws of a seed. Raises ValueError for options as `IlcTuningEnv.reset`."""
     if not isinstance(options, Mapping | None):
         raise ValueError(f"options of reset must be a dict, got {options!r}")
     options = dict(options or {})
@@ -257,11 +250,8 @@ def _option(cell: Cell, name: str, value: Any) -> Any:
 def experiment(
     robot: str | Cell, nominal: RobotModel, task: Task, imu: ImuCfg | None = None
 ) -> Experiment:
-    """The experiment of a task: a contour, cut by one individual, with that IMU at the tool.
-
-    Raises ValueError as `armside.sim.laser.prepare`: joint limits, reach, load, parameters of the
-    individual that the robot lacks.
-    """
+    """A task's contour, cut by one individual, with that IMU at the tool. Raises ValueError as
+    `prepare`: joint limits, reach, load, parameters that the robot lacks."""
     individual = task.individual
     if isinstance(individual, int):
         # A stream apart from those that `prepare` spawns.
@@ -276,9 +266,7 @@ def within_reach(
     robot: str | Cell, nominal: RobotModel, task: Task, imu: ImuCfg | None = None
 ) -> tuple[Task, Experiment]:
     """A task and its experiment, moved less far from its named pose where that is out of reach.
-
-    Raises as `experiment`, for the named pose itself where no place near it will do.
-    """
+    Raises as `experiment`, for the named pose itself."""
     if task.near is None:
         return task, experiment(robot, nominal, task, imu)
     cell = robot if isinstance(robot, Cell) else CELLS[robot]

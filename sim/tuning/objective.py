@@ -32,10 +32,8 @@ POLL = 0.1
 
 
 class Ratio(NamedTuple):
-    """RMS of the tool after learning over that before, geometric mean of all episodes.
-
-    By the configured sensor and by ground truth. Both are WORST once an episode diverged.
-    """
+    """RMS of the tool after learning over that before, geometric mean of all episodes, by the
+    sensor and by ground truth; WORST once one diverged."""
 
     measured: float
     true: float

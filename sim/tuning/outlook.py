@@ -28,10 +28,8 @@ GRID = frequency_grid(800)
 
 
 def motor_model(robot: str | Cell) -> System:
-    """T_u of every motor of the nominal robot.
-
-    Raises ValueError for a robot that cannot cut the default circle at its first pose.
-    """
+    """T_u of every motor of the nominal robot. Raises ValueError for a robot that cannot cut the
+    default circle at its first pose."""
     if robot == "large":
         return SERVO
     experiment = prepare(cut := Cut(robot=robot), seed=0)

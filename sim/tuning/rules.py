@@ -183,11 +183,8 @@ class Rules(EnvCfg):
         return outlook.motor_model(self.robot_or_cell)
 
     def check_seed(self, seed: Any) -> int | None:
-        """A seed of Python or NumPy, or None.
-
-        Raises ValueError for what is no seed, for a sealed one, or for no sealed one where it must
-        be.
-        """
+        """A seed of Python or NumPy, or None. Raises ValueError for what is none, for a sealed one,
+        or for no sealed one where it must be."""
         seed = None if seed is None else whole("seed", seed, 0)
         if self.sealed and (seed is None or seed not in TEST_SEEDS):
             raise ValueError(f"a sealed env is reset with a seed of {TEST_SEEDS}, got {seed}")
@@ -255,29 +252,22 @@ class Rules(EnvCfg):
         ahead: dict[str, Any] = {}
         if isinstance(decision, Design):
             ahead["criterion"] = self.criterion(decision)
-            if self.version:
-                score, found = self._look_ahead(before, after, decision, score)
-                ahead |= found
+        if isinstance(decision, Design) and self.version:
+            _, error = self.predicted(after, decision)
+            gear = after.experiment.loaded.model.drives.gear
+            ahead["motor_error_predicted"] = two_norm(error * gear)
+            if self.truncated(after):
+                held = self.held(after, decision)
+                later = self.score(before, held)
+                if ahead["criterion"] >= 1.0:
+                    later = later._replace(reward=WORST_REWARD)
+                ahead["rms_held"] = float(held.measured.rms)
+                score = min(score, later, key=lambda one: one.reward)
         return self.observe(after), score.reward, *ends, self.info(after, decision, score) | ahead
 
     def criterion(self, design: Design) -> float:
         """sup |Q (1 - L T_u)|, the largest of all motors. Thesis (7.5)."""
         return outlook.contraction(self.T_u, design)
-
-    def _look_ahead(
-        self, before: Situation, after: Situation, design: Design, score: Score
-    ) -> tuple[Score, dict[str, Any]]:
-        """The worse of two scores: of the run, and, after the last, of the run at HORIZON."""
-        _, error = self.predicted(after, design)
-        norm = two_norm(error * after.experiment.loaded.model.drives.gear)
-        if not self.truncated(after):
-            return score, {"motor_error_predicted": norm}
-        held = self.held(after, design)
-        later = self.score(before, held)
-        if self.criterion(design) >= 1.0:
-            later = later._replace(reward=WORST_REWARD)
-        found = {"motor_error_predicted": norm, "rms_held": float(held.measured.rms)}
-        return min(score, later, key=lambda one: one.reward), found
 
     def predicted(
         self, situation: Situation, design: Design, until: int = HORIZON

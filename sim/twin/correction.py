@@ -22,7 +22,7 @@ from ..estimation.nominal import NominalCfg, nominal_arm
 from ..estimation.relative_path import relative_to_start
 from ..laser.experiment import Experiment, of_motion
 from ..robot.individual import Individual, joints
-from ..robot.mjcf import AXES, N_AXES, axis_actuators
+from ..robot.mjcf import AXES, axis_actuators
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
 from ..robot.run import LoadedReference
@@ -41,10 +41,8 @@ def friction_step(
     error: Array,
     run: Recording,
 ) -> Array:
-    """Next correction (N, 6) [rad]: a linear law's, completed by the friction of what it asks for.
-
-    error: of the tool (N, 6), in a run of the twin `robot` with the last correction.
-    """
+    """Next correction (N, 6) [rad], after a run of the twin `robot` with the tool's error (N, 6): a
+    linear law's, completed by the friction of what it asks for."""
     learned = law(correction, error)
     omega = 2.0 * np.pi * np.fft.rfftfreq(2 * len(correction))
     moved = _filtered(plant.motor_response(omega), learned - correction)
@@ -112,11 +110,8 @@ WEIGHT = (1.0, 1.0, 1.0, 0.1, 0.1, 0.1)
 def learn_in_twin(
     design: RobotDesign, individual: Individual, experiment: Experiment
 ) -> tuple[Array, Array]:
-    """The best correction (N, 6) [rad] of a few updates inside the twin, which has no noise.
-
-    And its tool errors (UPDATES + 1,) [m], from that without correction on; fewer where a run
-    became unstable.
-    """
+    """The best correction (N, 6) [rad] of a few updates inside the twin, and its tool errors (k,)
+    [m] from that without correction on: fewer where a run became unstable."""
     reference = experiment.loaded.reference
     loaded = design.load(individual, reference)
     target = relative_to_start(experiment.programmed)
@@ -152,10 +147,8 @@ def learn_in_twin(
 def twin_error(
     experiment: Experiment, run: Recording, clock: tuple[Array, Array] | None = None
 ) -> float:
-    """RMS tool error [m] of a run of a twin, over all contours, as a tracker of 1 kHz would see it.
-
-    Infinite where the run became unstable. clock: as of `Pass`.
-    """
+    """RMS tool error [m] of a twin's run over all contours, as by a tracker of 1 kHz; infinite
+    where it became unstable. clock: as of `Pass`."""
     truth, cut, motion = run.truth, experiment.cut, experiment.motion
     if not np.isfinite(truth.tool_position).all():
         return float("inf")
@@ -167,10 +160,8 @@ def twin_error(
 def _twin_plant(
     design: RobotDesign, loaded: LoadedReference, run: Recording, phi: Array
 ) -> ArmPlant:
-    """Response of the tool to corrections, linearised at phi (6,) [rad].
-
-    Each gear has its mean slope along a run of the twin: one without load stays within its lost
-    motion, and is soft.
+    """Response of the tool to corrections, linearised at phi (6,) [rad], with the mean slope of
+    each gear along a run of the twin: one without load stays within its lost motion, and is soft.
     """
     own = 0.0 if design.payload is None else design.payload - design.model.mj.body("tool").mass[0]
     arm = nominal_arm(design.model, NominalCfg(structure=True, payload=float(own)))
@@ -187,12 +178,9 @@ def _twin_plant(
 
 def _mean_gear_stiffness(model: RobotModel, run: Recording) -> Array:
     """(6,) [N m/rad], mean slope of each gear spring along a run."""
-    mj, stiffness = model.mj, np.empty(N_AXES)
-    for i in AXES:
-        wound = run.truth.spring_angle[:, i - 1]
-        tendon = mj.tendon(f"gear_{i}").id
-        low, high = mj.tendon_lengthspring[tendon]
-        outside = float(np.mean((wound < low) | (wound > high)))
-        soft = mj.jnt_stiffness[mj.joint(f"flex_{i}").id]
-        stiffness[i - 1] = soft + outside * mj.tendon_stiffness[tendon]
-    return stiffness
+    mj, wound = model.mj, run.truth.spring_angle
+    tendons = [mj.tendon(f"gear_{i}").id for i in AXES]
+    low, high = mj.tendon_lengthspring[tendons].T
+    outside = ((wound < low) | (wound > high)).mean(axis=0)
+    soft = mj.jnt_stiffness[[mj.joint(f"flex_{i}").id for i in AXES]]
+    return soft + outside * mj.tendon_stiffness[tendons]

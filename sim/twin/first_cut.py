@@ -58,10 +58,8 @@ class Refreshed:
 
 
 def refreshed(twin: Twin, runs: Sequence[MeasuredCut], payload: float | None = None) -> Refreshed:
-    """The twin with the friction that production runs show.
-
-    payload: mass of the tool in these runs [kg]; that of the robot's file if None.
-    """
+    """The twin with the friction that production runs show, with a tool of that mass [kg]; that of
+    the robot's file if None."""
     design = twin.design_with(payload)
     least = 1e-3 * design.model.drives.torque_limit
     noise = np.maximum(3.0 * twin.torque_residual, least)
@@ -139,10 +137,7 @@ class FirstCut:
 
     def shown_by(self, first: Pass, payload: float | None) -> tuple[dict[str, Any], list[Note]]:
         """Entry `twin` of summary.json: the friction that the first run shows; and a note where the
-        twin should be made again.
-
-        payload: mass of the tool in that run [kg]; that of the robot's file if None.
-        """
+        twin should be made again. payload: as of `refreshed`."""
         run = measured_from(first.recording, "first run")  # friction shows without a tracker
         after = refreshed(self.twin, [run], payload)
         friction, advice = after.twin.friction, after.advice
@@ -152,10 +147,8 @@ class FirstCut:
 
 
 def first_cut(folder: Path, experiment: Experiment) -> FirstCut:
-    """Twin of a folder and its correction for the run of an experiment.
-
-    Raises ValueError for a folder without a twin, or one of another robot.
-    """
+    """Twin of a folder and its correction for the run of an experiment. Raises ValueError for a
+    folder without a twin, or one of another robot."""
     twin, cut = library.stored_twin(folder), experiment.cut
     one = isinstance(cut, Cut)
     return FirstCut(twin, library.learned(twin, cut) if one else twin.correction_of(experiment))

@@ -96,10 +96,7 @@ class Solving:
     """(g,), scale of residuals over their root mean square, as if samples were independent."""
 
     def solve(self, groups: Sequence[Group]) -> tuple[Array, Array]:
-        """Change of theta, and its posterior covariance.
-
-        Parameters that no group depends on keep their value.
-        """
+        """Change of theta, of what groups depend on, and its posterior covariance."""
         from scipy.optimize import lsq_linear
 
         parameters, theta = self.parameters, self.theta

@@ -49,11 +49,8 @@ tenth of it. ESTIMATE."""
 
 
 def unit_errors(time: Array, reading: Array, cfg: ImuCfg) -> tuple[Array, Array]:
-    """Columns (K, 3, 19) [m/s^2] of the errors, and their standard deviations (19,).
-
-    Bias and its drift, mounting, scale and misalignment, clock. reading: (K, 3), of the unit: its
-    errors are small.
-    """
+    """Columns (K, 3, 19) [m/s^2] of bias and its drift, mounting, scale and misalignment, clock,
+    for small errors of a reading (K, 3); and their standard deviations (19,)."""
     n, unit, triad = len(reading), np.eye(3), cfg.accelerometer
     ramp = np.linspace(-1.0, 1.0, n)
     bias = np.concatenate((np.tile(unit, (n, 1, 1)), ramp[:, None, None] * unit), axis=2)
@@ -146,10 +143,8 @@ class ImuComparison:
         return {"gear_error": self._cleaned(self._sampled(change, LOG_PERIOD, self._rigid_offset))}
 
     def _sampled(self, ideal: Array, step: float, offset: float) -> Array:
-        """Readings (K, 3, ...) of the unit for ideal ones (M, 3, ...), which start at robot time 0.
-
-        step: between ideal readings [s]. offset: robot time less unit time [s].
-        """
+        """Readings (K, 3, ...) of the unit for ideal ones (M, 3, ...), every `step` [s] from robot
+        time 0; offset: robot time less unit time [s]."""
         filtered = _filtered(ideal, step)
         at = np.clip((self.samples.time + offset) / step, 0.0, len(ideal) - 1.0)
         i = np.minimum(at.astype(int), len(ideal) - 2)

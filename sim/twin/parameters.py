@@ -138,11 +138,8 @@ class Parameters:
         raise ValueError(f"Unknown block {name!r}. Blocks: {known}")
 
     def individual(self, theta: Array, gear_phase: Array) -> Individual:
-        """The individual of a vector.
-
-        gear_phase: (6, 4) [rad], phases of the gear error in the robot's file, which are those of
-        another individual.
-        """
+        """The individual of a vector; gear_phase: (6, 4) [rad], phases of the gear error in the
+        robot's file, which are those of another individual."""
         values = {b.name: theta[self.at(b.name)].reshape(b.shape) for b in self.blocks}
         factors: dict[str, Any] = {name: np.exp(values[name]) for name in _LOGARITHMS}
         springs = [1.0 / np.maximum(1.0 + values[name], _STIFFEST) for name in SPRINGS]

@@ -146,10 +146,8 @@ def correct(
     experiment: Experiment,
     evidence: Evidence,
 ) -> Corrected:
-    """Learn the motion of an experiment inside a twin and predict what its correction leaves.
-
-    around: individuals that commissioning cannot tell from the twin.
-    """
+    """Learn the motion of an experiment inside a twin, and predict what its correction leaves by
+    individuals that commissioning cannot tell from it."""
     learned, rms = learn_in_twin(design, individual, experiment)
     reference, spread = experiment.loaded.reference, list[float]()
     at_once = max(1, int(SAMPLES_AT_ONCE / len(reference)))

@@ -129,10 +129,8 @@ def read_cut(source: Path, measure: SensorName = "tracker") -> MeasuredCut:
 
 
 def notes_of_first_run(source: Path) -> list[Note]:
-    """Limits that changed the run that `read_cut` reads, as far as the recording tells.
-
-    Raises InputError for what is no table.
-    """
+    """Limits that changed the run that `read_cut` reads, as far as the recording tells. Raises
+    InputError for what is no table."""
     table = _table(source)
     if CONFIG not in (table.schema.metadata or {}) or missing_columns(table):
         return notes_of_table(table)

@@ -39,11 +39,8 @@ def _configurations(model: RobotModel, phi: Array) -> Iterator[tuple[int, mujoco
 
 
 def jacobians(model: RobotModel, phi: Array) -> tuple[Array, Array]:
-    """Jacobian (N, 3, 6) of the tool's position, and columns (N, 3, 36) of geometry errors.
-
-    phi: (N, 6) [rad], motor angles. Geometry: positions (6, 3) [m] in the
-    axes of the parent, orientations (6, 3) [rad] in those of the body, as in `Individual`.
-    """
+    """Jacobian (N, 3, 6) of the tool's position at motor angles (N, 6) [rad], and columns (N, 3,
+    36) of geometry errors: positions [m] and orientations [rad] as in `Individual`."""
     mj, site = model.mj, model.mj.site("tool0").id
     bodies = [int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id]) for i in AXES]
     jacobian, out = np.empty((3, mj.nv)), np.empty((len(phi), 3, N_AXES))

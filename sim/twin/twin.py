@@ -118,10 +118,8 @@ class Twin:
         return self.correction_of(prepare(plain, nominal=nominal))
 
     def correction_of(self, experiment: Experiment) -> Corrected:
-        """Correction for the first run of an experiment, such as that of a whole part.
-
-        Raises TwinError as `correction`.
-        """
+        """The same for an experiment, such as that of a whole part. Raises TwinError as
+        `correction`."""
         cut = experiment.cut
         self.check(cut)
         design = self.design_with(cut.payload)
@@ -288,10 +286,7 @@ def stored_twin(folder: str | PathLike[str]) -> Twin:
 
 
 def learned(twin: Twin, cut: Cut) -> Corrected:
-    """`Twin.correction` of a cut, learned once for all cuts that differ in the robot's state alone.
-
-    Raises as `Twin.correction`.
-    """
+    """`Twin.correction`, learned once for all cuts that differ in the robot's state alone."""
     by_design = {"individual": None, "temperature": None, "without": (), "imu": None}
     of_robot = {"friction_spread": 0.0, "friction_drift": 0.0}
     return _learned(twin, replace(cut, **by_design, **of_robot))
