@@ -168,11 +168,11 @@ def _cut(
 
 def _results(found: CommissionedTwin) -> dict[str, Any]:
     parameters, identified = found.twin.parameters, found.identified
-    quality, names = identified.quality, parameters.names
+    names = parameters.names
     deviation = standard_deviation(parameters, identified.covariance)
     known = is_identified(parameters, identified.covariance)
     values = zip(names, identified.theta, deviation, parameters.standard_deviation, strict=True)
-    cuts = zip(found.twin.names, quality.held_out, quality.within, strict=True)
+    cuts = zip(found.twin.names, identified.held_out, identified.within, strict=True)
     return {
         "cuts": [{"name": n, "held_out": out, "within": within} for n, out, within in cuts],
         "torque_residual": found.twin.torque_residual,

@@ -63,7 +63,7 @@ def _stribeck(speed: Array, constants: Array) -> Array:
 
 def residuals(file: Path, found: CommissionedTwin, cuts: Sequence[MeasuredCut]) -> None:
     """RMS of the tool sensor's residual in each cut: by design, twin of the others, twin."""
-    twin, quality, sensor = found.twin, found.identified.quality, SENSORS[found.twin.sensor]
+    twin, quality, sensor = found.twin, found.identified, SENSORS[found.twin.sensor]
     mean = twin.parameters.mean
     before = [
         Against(twin.design, twin.parameters, cut, sensor).residuals(mean).tool for cut in cuts

@@ -21,27 +21,14 @@ from .linearised_arm import LinearisedArm
 _BUTTERWORTH_DAMPING = np.sqrt(0.5)
 
 
-@dataclass(frozen=True, kw_only=True)
-class ProcessNoise:
-    """Process noise: the torque that the arm's model leaves unexplained."""
-
-    twist: float = 6e-5
-    """Typical twist of a gear under the inertial loads of a cut [rad]."""
-    fraction: float = 0.05
-    """Standard deviation of tau_d over stiffness times twist."""
-    corner: float = 20.0
-    """Corner frequency of tau_d's spectrum [Hz]."""
-    bias_walk: float = 1e-3
-    """[m/s^2/sqrt(s)] and [rad/s/sqrt(s)] / 10."""
-
-    def __post_init__(self) -> None:
-        for name in ("twist", "fraction", "corner"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")
-
-    def torque(self, arm: LinearisedArm) -> Array:
-        """(a,) [N m], standard deviation of tau_d."""
-        return self.fraction * self.twist * arm.stiffness
+TWIST = 6e-5
+"""Typical twist of a gear under the inertial loads of a cut [rad]."""
+FRACTION = 0.05
+"""Standard deviation of tau_d over stiffness times twist, of an arm whose springs are known."""
+CORNER = 20.0
+"""Corner frequency of tau_d's spectrum [Hz]."""
+BIAS_WALK = 1e-3
+"""[m/s^2/sqrt(s)] and [rad/s/sqrt(s)] / 10."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -50,7 +37,8 @@ class ArmFilter:
 
     arm: LinearisedArm
     imu: ImuCfg
-    process_noise: ProcessNoise
+    torque: Array
+    """(a,) [N m], standard deviation of tau_d."""
     A: Array
     """(m, m)."""
     intensity: Array
@@ -85,17 +73,14 @@ class ArmFilter:
     def reading_covariance(self) -> Array:
         """(6, 6), of rounding to counts; at least a hundredth of the noise, to keep digits."""
         triads = self.imu.accelerometer, self.imu.gyroscope
-        floors = [
-            max(t.resolution / np.sqrt(12.0), 0.05 * (t.noise_density * np.sqrt(t.bandwidth)))
-            for t in triads
-        ]
+        noise = [t.noise_density * np.sqrt(t.bandwidth) for t in triads]
+        counts = [t.resolution / np.sqrt(12.0) for t in triads]
+        floors = [max(count, 0.05 * sd) for count, sd in zip(counts, noise, strict=True)]
         return np.diag(np.repeat([floor**2 for floor in floors], 3))
 
 
-def arm_filter(
-    arm: LinearisedArm, imu: ImuCfg, process_noise: ProcessNoise = ProcessNoise()
-) -> ArmFilter:
-    """The process of one arm and one kind of IMU."""
+def arm_filter(arm: LinearisedArm, imu: ImuCfg, fraction: float = FRACTION) -> ArmFilter:
+    """The process of one arm and one kind of IMU; `fraction` as `FRACTION`."""
     n = arm.n_free
     m = 2 * n + 12
     bias = m + len(arm.axes)
@@ -104,7 +89,7 @@ def arm_filter(
     A[: 2 * n, : 2 * n], _ = arm.dynamics()
     E[n : 2 * n, :n] = np.linalg.inv(arm.mass)
     A[n : 2 * n, m:bias] = E[n : 2 * n, arm.axes]
-    A[m:bias, m:bias] = -2.0 * np.pi * process_noise.corner * np.eye(len(arm.axes))
+    A[m:bias, m:bias] = -2.0 * np.pi * CORNER * np.eye(len(arm.axes))
 
     # Accelerometer: J q'' + (rotated gravity) q; gyro: J q'.
     from_state = arm.imu_jacobian[:3] @ A[n : 2 * n]
@@ -126,11 +111,11 @@ def arm_filter(
         # A one-sided density d^2 is a two-sided intensity d^2 / 2.
         W[rate, rate] = omega**4 * triad.noise_density**2 / 2.0
 
-    torque = process_noise.torque(arm)
-    W[range(m, bias), range(m, bias)] = 2.0 * (2.0 * np.pi * process_noise.corner) * torque**2
-    walk = np.repeat([process_noise.bias_walk, 0.1 * process_noise.bias_walk], 3) ** 2
+    torque = fraction * TWIST * arm.stiffness
+    W[range(m, bias), range(m, bias)] = 2.0 * (2.0 * np.pi * CORNER) * torque**2
+    walk = np.repeat([BIAS_WALK, 0.1 * BIAS_WALK], 3) ** 2
     W[range(bias, size), range(bias, size)] = walk
     C = np.zeros((6, size))
     C[range(6), 2 * n + np.array([0, 1, 2, 6, 7, 8])] = 1.0
     C[range(6), range(bias, size)] = 1.0
-    return ArmFilter(arm=arm, imu=imu, process_noise=process_noise, A=A, intensity=W, E=E, C=C)
+    return ArmFilter(arm=arm, imu=imu, torque=torque, A=A, intensity=W, E=E, C=C)

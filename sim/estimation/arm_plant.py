@@ -48,8 +48,8 @@ class ArmPlant:
 
         omega: (M,) [rad/sample].
         """
-        tool = self.arm.tool_jacobian @ self._whole(omega)[:, self.robot.n_axes :]
-        return np.asarray(tool, dtype=np.complex128)
+        arm = self._whole(omega)[:, self.robot.n_axes :]
+        return np.asarray(self.arm.tool_jacobian @ arm, dtype=np.complex128)
 
     def motor_response(self, omega: ArrayLike) -> Complex:
         """(M, a, a): motor angles [rad], arm side, for u [rad]."""
@@ -58,8 +58,7 @@ class ArmPlant:
     def torque_response(self, omega: ArrayLike) -> Complex:
         """(M, a, a), diagonal: correction u [rad] whose torque on the motors is 1 N m, arm side."""
         inverse = 1.0 / np.diagonal(self._driven(self._s(omega)), axis1=1, axis2=2)
-        response = inverse[:, :, None] * np.eye(len(inverse[0]))
-        return np.asarray(response, dtype=np.complex128)
+        return np.asarray(inverse[:, :, None] * np.eye(inverse.shape[1]), dtype=np.complex128)
 
     def _s(self, omega: ArrayLike) -> Complex:
         s = 1j * np.asarray(omega, dtype=np.float64)[:, None, None] / self.period

@@ -14,7 +14,7 @@ from armside.ilc.estimation.consistency import Whiteness
 from ..instruments.imu import ImuCfg, ImuSamples
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
-from .arm_filter import ProcessNoise
+from .arm_filter import FRACTION
 from .arm_plant import PathPlants, plants_along
 from .elasticity import ArmParameters, Elasticity, SpringPrior, nominal_elasticity
 from .estimator import ToolEstimator
@@ -27,7 +27,7 @@ from .tool_covariance import tool_covariance
 EXCERPT = 10.0
 """Length of the record that springs are identified from [s]."""
 UNIDENTIFIED = 0.3
-"""`ProcessNoise.fraction` of an arm whose springs were not identified."""
+"""As `arm_filter.FRACTION`, of an arm whose springs were not identified."""
 _LARGEST_INNOVATION = 1.7
 """RMS of whitened innovations; above, the identified model does not explain the readings. With the
 robot's own model 1.0 to 1.4 were seen, with that of another posture 1.2 to 1.9. ESTIMATE."""
@@ -55,7 +55,6 @@ class Commissioning:
     """The plant model of the law too is built on identified springs."""
     on_fault: OnFault = OnFault.REFUSE
     prior: SpringPrior = field(default_factory=SpringPrior)
-    process_noise: ProcessNoise = field(default_factory=ProcessNoise)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,17 +108,19 @@ def commission(
         if samples is None:
             raise ImuError(Fault.TOO_SHORT, "there is none")
         readings = repaired(samples, imu)
-        check_gravity(readings, motion.up[0], cfg)
-        early = motion.beginning(EXCERPT), _beginning(readings, EXCERPT)
+        _check_gravity(readings, motion.up[0], cfg.prior)
+        early, n = (
+            motion.beginning(EXCERPT),
+            np.searchsorted(readings.time - readings.time[0], EXCERPT),
+        )
+        readings = replace(readings, **{name: each[:n] for name, each in vars(readings).items()})
         if known is not None:
-            found, white = synchronised(
-                early[0], known, early[1], imu, cfg.prior, cfg.process_noise
-            )
-            check_model(found, white, cfg)
+            found, white = synchronised(early, known, readings, imu, cfg.prior)
+            _check_model(found, white, cfg.prior)
         elif cfg.identified:
-            identified = identify(early[0], nominal, early[1], imu, cfg.prior, cfg.process_noise)
+            identified = identify(early, nominal, readings, imu, cfg.prior)
             found = identified.parameters
-            check_model(found, identified.whiteness, cfg)
+            _check_model(found, identified.whiteness, cfg.prior)
     except ImuError as problem:
         if cfg.on_fault is OnFault.REFUSE:
             raise
@@ -127,40 +128,32 @@ def commission(
     assumed = ArmParameters(nominal.on_rigid_structure, 0.0, UNIDENTIFIED, np.zeros(3))
     parameters = assumed if found is None else found
     of_law = parameters if cfg.law_identified else assumed
-    plants = plants_along(
-        robot, motion, of_law.springs, identified=found is not None and cfg.law_identified
-    )
-    estimator = ToolEstimator(arm, parameters, imu, cfg.process_noise, motion)
+    of_arm = found is not None and cfg.law_identified
+    plants = plants_along(robot, motion, of_law.springs, identified=of_arm)
+    estimator = ToolEstimator(arm, parameters, imu, motion)
     return Commissioned(parameters, identified, estimator, plants, fault, nominal)
 
 
-def check_gravity(samples: ImuSamples, up: Array, cfg: Commissioning) -> None:
+def _check_gravity(samples: ImuSamples, up: Array, prior: SpringPrior) -> None:
     """Raise ImuError if gravity at rest is not where the model has it."""
     still = samples.acceleration[samples.time < samples.time[0] + 0.5 * REST]
     read = np.nanmean(still, axis=0)
     cosine = read @ up / (np.linalg.norm(read) * np.linalg.norm(up))
     angle = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
-    if angle > _UNLIKELY * cfg.prior.mounting:
+    if angle > _UNLIKELY * prior.mounting:
         raise ImuError(Fault.MODEL, f"at rest gravity is {np.rad2deg(angle):.1f} deg off")
 
 
-def check_model(found: ArmParameters, white: Whiteness, cfg: Commissioning) -> None:
+def _check_model(found: ArmParameters, white: Whiteness, prior: SpringPrior) -> None:
     """Raise ImuError if the springs do not make the model explain the readings."""
     worst = float(white.rms.max())
     if worst > _LARGEST_INNOVATION:
         raise ImuError(Fault.MODEL, f"innovations are {worst:.1f} times what the filter expects")
-    more = found.process_noise / cfg.process_noise.fraction
-    if more > np.exp(_UNLIKELY * cfg.prior.process_noise):
+    more = found.process_noise / FRACTION
+    if more > np.exp(_UNLIKELY * prior.process_noise):
         unexplained = f"the arm's springs leave {more:.0f} times as much unexplained as expected"
         raise ImuError(Fault.MODEL, f"{unexplained}; identify them from a slower cut")
     angle = float(np.abs(found.mounting).max())
-    if angle > _UNLIKELY * cfg.prior.mounting:
+    if angle > _UNLIKELY * prior.mounting:
         turned = f"the IMU would have to be turned by {np.rad2deg(angle):.1f} deg"
         raise ImuError(Fault.MODEL, turned)
-
-
-def _beginning(samples: ImuSamples, seconds: float) -> ImuSamples:
-    n = int(np.searchsorted(samples.time - samples.time[0], seconds))
-    names = ("time", "acceleration", "angular_velocity")
-    names = (*names, "acceleration_clipped", "angular_velocity_clipped")
-    return replace(samples, **{name: getattr(samples, name)[:n] for name in names})

@@ -40,22 +40,17 @@ class Deflection:
 
 
 def deflection(motion: RigidMotion, springs: Elasticity) -> Deflection:
-    """From static equilibrium on.
-
-    Raises FloatingPointError for springs that cannot carry the arm.
-    """
+    """From static equilibrium on. Raises FloatingPointError for springs that give way."""
     step = motion.period / SUBSTEPS
     K = motion.gradient + np.diag(springs.stiffness)
     D = np.diag(springs.damping)
-    inverse: Array = np.asarray(
-        np.linalg.inv(motion.mass + 0.5 * step * D + 0.25 * step**2 * K), np.float64
-    )
+    inverse = np.linalg.inv(motion.mass + 0.5 * step * D + 0.25 * step**2 * K)
     soft = springs.softening * springs.stiffness
     start = _at_rest(K[0], soft, springs.lost_motion, motion.load[0])
     found = _simulate(
         np.ascontiguousarray(K),
         springs.damping,
-        np.ascontiguousarray(inverse),
+        np.ascontiguousarray(inverse, np.float64),
         soft,
         springs.lost_motion,
         np.ascontiguousarray(motion.load),
@@ -63,8 +58,7 @@ def deflection(motion: RigidMotion, springs: Elasticity) -> Deflection:
         start,
         step,
     )
-    largest = np.abs(found[0]).max()
-    if not largest < LARGEST:
+    if not np.abs(found[0]).max() < LARGEST:
         raise FloatingPointError("the springs cannot carry the arm")
     return Deflection(*found)
 
@@ -75,8 +69,8 @@ def _at_rest(K: Array, soft: Array, lost: Array, load: Array) -> Array:
     for _ in range(_NEWTON_STEPS):
         inside = np.abs(d) < lost
         pull = np.where(inside, 0.0, soft * np.clip(d, -lost, lost))
-        solved = np.linalg.solve(K - np.diag(soft * inside), pull - load)
-        following: Array = np.asarray(solved, np.float64)
+        matrix = K - np.diag(soft * inside)
+        following: Array = np.asarray(np.linalg.solve(matrix, pull - load), np.float64)
         if np.abs(following - d).max() < 1e-13:
             return following
         d = following
@@ -131,30 +125,22 @@ def _simulate(
     return angle, rate, acceleration
 
 
-def ideal_readings(motion: RigidMotion, bent: Deflection) -> Array:
-    """(N, 6) [m/s^2], [rad/s], of an ideal unit, from those at rest."""
-    J, tilt = motion.imu_jacobian, motion.imu_gravity
-    y = motion.reading.copy()
-    y[:, :3] += (J[:, :3] @ bent.acceleration[:, :, None] + tilt @ bent.angle[:, :, None])[..., 0]
-    y[:, 3:] += (J[:, 3:] @ bent.rate[:, :, None])[..., 0]
-    return y - y[0]
-
-
 def explained(motion: RigidMotion, bent: Deflection, imu: ImuCfg) -> "CubicHermiteSpline":
     """(6,) readings behind the low-passes of a unit, over time."""
     from scipy.interpolate import CubicHermiteSpline
 
-    y = ideal_readings(motion, bent)
+    # Of an ideal unit, from those at rest: [m/s^2], [rad/s].
+    J, tilt, y = motion.imu_jacobian, motion.imu_gravity, motion.reading.copy()
+    y[:, :3] += (J[:, :3] @ bent.acceleration[:, :, None] + tilt @ bent.angle[:, :, None])[..., 0]
+    y[:, 3:] += (J[:, 3:] @ bent.rate[:, :, None])[..., 0]
+    y -= y[0].copy()
     low, rate = np.empty_like(y), np.empty_like(y)
     for k, triad in enumerate((imu.accelerometer, imu.gyroscope)):
         omega = 2.0 * np.pi * triad.bandwidth
-        one = np.array([[0.0, 1.0], [-(omega**2), -np.sqrt(2.0) * omega]])
-        three = (
-            np.kron(one, np.eye(3)).astype(np.float64),
-            np.kron([[0.0], [omega**2]], np.eye(3)).astype(np.float64),
-        )
+        one = [[0.0, 1.0], [-(omega**2), -np.sqrt(2.0) * omega]], [[0.0], [omega**2]]
+        A, B = (np.asarray(np.kron(part, np.eye(3)), np.float64) for part in one)
         channels = slice(3 * k, 3 * k + 3)
-        states = simulate(*first_order_hold(*three, motion.period), y[:, channels])
+        states = simulate(*first_order_hold(A, B, motion.period), y[:, channels])
         low[:, channels], rate[:, channels] = states[:, :3], states[:, 3:]
     return CubicHermiteSpline(motion.time, low, rate)
 

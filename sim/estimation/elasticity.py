@@ -21,6 +21,7 @@ from ..records.files import InputError, check_file
 from ..robot.effects import Effect, available
 from ..robot.mjcf import numeric
 from ..robot.model import RobotModel
+from .arm_filter import FRACTION
 from .nominal import NominalArm
 
 _RIGID = 1e3  # stiffness of a structure that is not known to give way, over that of the gear beside
@@ -68,10 +69,7 @@ class Elasticity:
 
 
 def nominal_elasticity(robot: RobotModel, arm: NominalArm) -> Elasticity:
-    """Assumed gears of an arm, its structure, and the lost motion that the robot's file states.
-
-    A file without lost motion has gears of linear springs.
-    """
+    """Assumed gears of an arm, its structure, and the lost motion that the robot's file states."""
     mj, n, joints = arm.mj, arm.n_free, arm.motion.joints
     stiffness, damping = mj.jnt_stiffness.ravel()[joints], mj.dof_damping.ravel()[joints]
     stiffness[arm.axes], damping[arm.axes] = arm.stiffness, arm.damping
@@ -134,19 +132,19 @@ class ArmParameters:
     clock_offset: float
     """Robot time when the unit's clock shows 0 [s]."""
     process_noise: float
-    """`ProcessNoise.fraction`: fraction of the arm's twist that the model leaves unexplained."""
+    """Fraction of the arm's twist that the model leaves unexplained, as `arm_filter.FRACTION`."""
     mounting: Array
     """(3,) [rad], rotation of the IMU's housing from its site."""
 
 
-def parameters_at(nominal: Elasticity, theta: Array, fraction: float) -> ArmParameters:
-    """Parameters of a vector; fraction: expected `ProcessNoise.fraction`."""
+def parameters_at(nominal: Elasticity, theta: Array) -> ArmParameters:
+    """Parameters of a vector."""
     n = len(nominal.stiffness)
     gears, structure, lost, clock, noise = theta[n : n + 5]
     width = max(0.0, 1.0 + float(lost))
     damped = float(np.exp(gears)), float(np.exp(structure))
     springs = nominal.scaled(np.exp(theta[:n]), *damped, width)
-    return ArmParameters(springs, float(clock), fraction * float(np.exp(noise)), theta[n + 5 :])
+    return ArmParameters(springs, float(clock), FRACTION * float(np.exp(noise)), theta[n + 5 :])
 
 
 _OF_SPRINGS = ("stiffness", "damping", "softening", "lost_motion")
@@ -180,21 +178,17 @@ def read_parameters(folder: Path, robot: str, n_axes: int = 6) -> ArmParameters:
         raise InputError(f"{folder} was identified on robot {known}, not on {robot}")
     if missing:
         raise InputError(f"{file}: springs lack {', '.join(missing)}; identify again")
-    return _parameters(springs, file, n_axes)
-
-
-def _parameters(stored: dict[str, Any], file: Path, n_axes: int) -> ArmParameters:
-    n = len(stored["stiffness"]) if isinstance(stored["stiffness"], list) else 0
-    K, D, soft, lost = (_array(stored, name, (n,), file) for name in _OF_SPRINGS)
-    axes = _array(stored, "gears", (n_axes,), file)
+    n = len(springs["stiffness"]) if isinstance(springs["stiffness"], list) else 0
+    K, D, soft, lost = (_array(springs, name, (n,), file) for name in _OF_SPRINGS)
+    axes = _array(springs, "gears", (n_axes,), file)
     whole = np.isin(axes, np.arange(n)).all() and (np.diff(np.sort(axes)) > 0.0).all()
     if not (whole and (K > 0.0).all() and (D >= 0.0).all()):
         raise InputError(f"{file}: springs must be stiffer than 0, with one for each gear")
-    springs = Elasticity(K, D, axes.astype(int), soft, lost)
-    clock, noise = (float(_array(stored, name, (), file)) for name in _KEYS[5:7])
+    clock, noise = (float(_array(springs, name, (), file)) for name in _KEYS[5:7])
     if not noise > 0.0:
         raise InputError(f"{file}: springs.process_noise must be > 0, got {noise:g}")
-    return ArmParameters(springs, clock, noise, _array(stored, "mounting", (3,), file))
+    elastic = Elasticity(K, D, axes.astype(int), soft, lost)
+    return ArmParameters(elastic, clock, noise, _array(springs, "mounting", (3,), file))
 
 
 def _array(stored: dict[str, Any], name: str, shape: tuple[int, ...], file: Path) -> Array:

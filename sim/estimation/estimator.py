@@ -7,6 +7,7 @@ once for all runs of a reference.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -15,7 +16,7 @@ from armside.arrays import Array
 from armside.ilc.estimation.scheduled import ScheduledSmoother
 
 from ..instruments.imu import ImuCfg, ImuSamples
-from .arm_filter import ArmFilter, ProcessNoise
+from .arm_filter import ArmFilter
 from .deflection import Deflection, deflection, explained, residual
 from .elasticity import ArmParameters
 from .identification import filter_at
@@ -48,16 +49,15 @@ class ToolEstimator:
     arm: NominalArm
     parameters: ArmParameters
     imu: ImuCfg
-    process_noise: ProcessNoise
     along: RigidMotion
     """Of the first run: filters are those of its places."""
 
     @cached_property
     def models(self) -> tuple[ArmFilter, ...]:
         """Filters along the reference, from the first place to the last."""
+        known = self.along, self.parameters, self.imu
         chosen = [np.flatnonzero(self.place == s)[0] for s in range(self.place[-1] + 1)]
-        known = self.parameters, self.imu, self.process_noise
-        return tuple(filter_at(self.along, *known, int(self.along.segment[at])) for at in chosen)
+        return tuple(filter_at(*known, int(self.along.segment[at])) for at in chosen)
 
     @cached_property
     def place(self) -> np.ndarray:
@@ -67,8 +67,7 @@ class ToolEstimator:
     @cached_property
     def filter_covariance(self) -> Array:
         """(S, 3, 3) [m^2] of the displacement at each place, if the springs are right."""
-        processes = [model.sampled(1.0 / self.imu.rate) for model in self.models]
-        known = ScheduledSmoother(processes, np.zeros(0, dtype=np.int64)).smoothed_covariance
+        known = self.smoother(np.zeros(0)).smoothed_covariance
         tools = np.array([model.tool[:3] for model in self.models])
         return tools @ known @ np.swapaxes(tools, 1, 2)
 
@@ -102,11 +101,10 @@ class ToolEstimator:
         left, bias = residual(samples, known, own.clock_offset, own.mounting)
         instants = samples.time + own.clock_offset
         key = instants.tobytes()
-        if key not in self._smoothers:
-            self._smoothers[key] = self.smoother(instants)
+        if (smoother := self._smoothers.get(key)) is None:
+            smoother = self._smoothers[key] = self.smoother(instants)
         start = np.zeros(len(self.models[0].A))
         start[-6:] = bias
-        smoother = self._smoothers[key]
         states = smoother(left, start)
         tools = np.array([model.tool for model in self.models])
         deviation = np.einsum("nij,nj->ni", tools[smoother.schedule], states.smoothed)
@@ -137,8 +135,7 @@ SHORT = 4.0
 no time to grow. ESTIMATE: contours of 8 to 40 mm take 2 to 3 s, long paths from 5 s on."""
 
 
-@dataclass(frozen=True)
-class Limits:
+class Limits(NamedTuple):
     """Beyond which an estimate is not valid."""
 
     innovation: float
@@ -179,20 +176,17 @@ def validity(estimate: ToolEstimate, time: Array) -> Validity:
             good[at] = np.sqrt(np.square(innovation[known]).mean(axis=0)).max() < limits.innovation
         shift = np.linalg.norm(estimate.shift[window == at], axis=1)
         good[at] &= bool((shift < limits.shift).all())
-    weight = _faded(good[window].astype(float), round(FADE / float(time[1] - time[0])))
-    if good.all():
-        return Validity(weight, "")
-    places = ", ".join(f"{WINDOW * at:g}" for at in np.flatnonzero(~good))
-    seconds = "second that begins" if (~good).sum() == 1 else "seconds that begin"
-    text = f"the estimate is not valid, and nothing learned, in the {seconds} at {places} s"
-    return Validity(weight, text)
-
-
-def _faded(weight: Array, samples: int) -> Array:
-    """The smallest weight nearby, smoothed."""
+    samples = round(FADE / float(time[1] - time[0]))
 
     def nearby(values: Array) -> Array:
         padded = np.pad(values, samples, mode="edge")
         return np.lib.stride_tricks.sliding_window_view(padded, 2 * samples + 1)
 
-    return nearby(nearby(weight).min(axis=1)).mean(axis=1)
+    weight = good[window].astype(float)
+    weight = nearby(nearby(weight).min(axis=1)).mean(axis=1)  # the smallest nearby, smoothed
+    if good.all():
+        return Validity(weight, "")
+    places = ", ".join(f"{WINDOW * at:g}" for at in np.flatnonzero(~good))
+    seconds = "second that begins" if (~good).sum() == 1 else "seconds that begin"
+    said = f"the estimate is not valid, and nothing learned, in the {seconds} at {places} s"
+    return Validity(weight, said)

@@ -6,7 +6,7 @@ motion.
 """
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from armside.ilc.estimation.kalman import SteadyStateFilter
 from armside.ilc.estimation.prediction_error import ParameterEstimate, Whitened, estimate_parameters
 
 from ..instruments.imu import ImuCfg, ImuSamples
-from .arm_filter import ArmFilter, ProcessNoise, arm_filter
+from .arm_filter import FRACTION, ArmFilter, arm_filter
 from .deflection import deflection, explained, residual
 from .elasticity import ArmParameters, Elasticity, SpringPrior, parameters_at
 from .rigid_motion import RigidMotion
@@ -47,11 +47,8 @@ def identify(
     samples: ImuSamples,
     imu: ImuCfg,
     prior: SpringPrior = SpringPrior(),
-    process_noise: ProcessNoise = ProcessNoise(),
 ) -> Identified:
-    """The parameters that explain a record best.
-
-    nominal: start of the search. imu: kind of unit, as its data sheet has it.
+    """The parameters that explain a record best, from nominal springs on.
 
     Raises RuntimeError where no start leads to a minimum.
     """
@@ -64,9 +61,9 @@ def identify(
         return theta
 
     starts, further = ([start(*each) for each in given] for given in (_STARTS, _FURTHER))
-    model = _Innovations(motion, nominal, samples, imu, process_noise)
+    model = _Innovations(motion, nominal, samples, imu)
     fit = estimate_parameters(model, np.zeros_like(sd), sd, starts, further)
-    parameters = parameters_at(nominal, fit.theta, process_noise.fraction)
+    parameters = parameters_at(nominal, fit.theta)
     return Identified(parameters, fit, whiteness(fit.innovation))
 
 
@@ -76,7 +73,6 @@ def synchronised(
     samples: ImuSamples,
     imu: ImuCfg,
     prior: SpringPrior = SpringPrior(),
-    process_noise: ProcessNoise = ProcessNoise(),
 ) -> tuple[ArmParameters, Whiteness]:
     """Known springs with what is not theirs found again, and the innovations.
 
@@ -85,7 +81,7 @@ def synchronised(
 
     Raises RuntimeError for springs that cannot carry the arm.
     """
-    model = _Innovations(motion, known.springs, samples, imu, process_noise)
+    model = _Innovations(motion, known.springs, samples, imu)
     sd = np.array([prior.clock, *3 * (prior.mounting,), prior.process_noise])
 
     def own(theta: Array) -> ArmParameters:
@@ -93,7 +89,7 @@ def synchronised(
             known,
             clock_offset=float(theta[0]),
             mounting=theta[1:4].copy(),
-            process_noise=process_noise.fraction * float(np.exp(theta[4])),
+            process_noise=FRACTION * float(np.exp(theta[4])),
         )
 
     found = estimate_parameters(lambda theta: model.on(own(theta)), 0.0 * sd, sd, [0.0 * sd])
@@ -101,20 +97,11 @@ def synchronised(
 
 
 def filter_at(
-    motion: RigidMotion,
-    parameters: ArmParameters,
-    imu: ImuCfg,
-    noise: ProcessNoise,
-    segment: int,
+    motion: RigidMotion, parameters: ArmParameters, imu: ImuCfg, segment: int
 ) -> ArmFilter:
     """Process of the deviation from the deflected arm, in one segment."""
-    noise = replace(noise, fraction=parameters.process_noise)
-    return arm_filter(motion.linearised(segment, parameters.springs), imu, noise)
-
-
-class _Known(NamedTuple):
-    settled: SteadyStateFilter
-    readings: "CubicHermiteSpline"
+    arm = motion.linearised(segment, parameters.springs)
+    return arm_filter(arm, imu, parameters.process_noise)
 
 
 @dataclass(eq=False)
@@ -125,40 +112,39 @@ class _Innovations:
     nominal: Elasticity
     samples: ImuSamples
     imu: ImuCfg
-    noise: ProcessNoise
     # Gradients move clock and mounting as well, which filter and deflection do not depend on.
-    _last: tuple[bytes, _Known | None] = (b"", None)
+    _last: "tuple[bytes, tuple[SteadyStateFilter, CubicHermiteSpline] | None]" = (b"", None)
 
     def __call__(self, theta: Array) -> Whitened:
-        return self.on(parameters_at(self.nominal, theta, self.noise.fraction))
+        return self.on(parameters_at(self.nominal, theta))
 
     def on(self, parameters: ArmParameters) -> Whitened:
         """Innovations on given parameters."""
         known = self._known(parameters)
         if known is None:
             return Whitened(np.full((len(self.samples.time), 6), np.inf), 0.0)
-        start = np.zeros(len(known.settled.process.A))
-        left, start[-6:] = residual(
-            self.samples, known.readings, parameters.clock_offset, parameters.mounting
-        )
-        W, log_det = known.settled.whitening
-        return Whitened(known.settled(left, start).innovation @ W.T, log_det)
+        settled, readings = known
+        start = np.zeros(len(settled.process.A))
+        unit = parameters.clock_offset, parameters.mounting
+        left, start[-6:] = residual(self.samples, readings, *unit)
+        W, log_det = settled.whitening
+        return Whitened(settled(left, start).innovation @ W.T, log_det)
 
-    def _known(self, parameters: ArmParameters) -> "_Known | None":
-        springs = parameters.springs
+    def _known(
+        self, parameters: ArmParameters
+    ) -> "tuple[SteadyStateFilter, CubicHermiteSpline] | None":
+        """Filter and explained readings; None for springs that cannot carry the arm."""
+        springs, motion = parameters.springs, self.motion
         parts = springs.stiffness, springs.damping, springs.lost_motion, parameters.process_noise
         key = b"".join(np.asarray(part).tobytes() for part in parts)
-        if key != self._last[0]:
-            self._last = key, self._set_up(parameters)
-        return self._last[1]
-
-    def _set_up(self, parameters: ArmParameters) -> "_Known | None":
-        """None for springs that cannot carry the arm."""
+        if key == self._last[0]:
+            return self._last[1]
         try:
-            bent = deflection(self.motion, parameters.springs)
-            segment = int(self.motion.segment[len(self.motion.segment) // 2])
-            model = filter_at(self.motion, parameters, self.imu, self.noise, segment)
-            settled = SteadyStateFilter(model.sampled(1.0 / self.imu.rate))
+            bent = deflection(motion, springs)
+            segment = int(motion.segment[len(motion.segment) // 2])
+            process = filter_at(motion, parameters, self.imu, segment).sampled(1.0 / self.imu.rate)
+            known = SteadyStateFilter(process), explained(motion, bent, self.imu)
         except (FloatingPointError, RuntimeError):
-            return None
-        return _Known(settled, explained(self.motion, bent, self.imu))
+            known = None
+        self._last = key, known
+        return known

@@ -4,7 +4,6 @@ Single lost or clipped samples become rows of NaN on an even timeline, which fil
 Too many of them are a fault, as are constant readings and timestamps out of order.
 """
 
-from dataclasses import replace
 from enum import Enum
 
 import numpy as np
@@ -73,11 +72,12 @@ def repaired(samples: ImuSamples, cfg: ImuCfg) -> ImuSamples:
     reading[clipped.any(axis=1)] = np.nan
     whole = np.full((n, 6), np.nan)
     whole[slot] = reading
-    unclipped = np.zeros((n, 3), dtype=bool)
-    even = time[0] + np.arange(n) / cfg.rate
-    flags = {"acceleration_clipped": unclipped, "angular_velocity_clipped": unclipped}
-    return replace(
-        samples, time=even, acceleration=whole[:, :3], angular_velocity=whole[:, 3:], **flags
+    return ImuSamples(
+        time=time[0] + np.arange(n) / cfg.rate,
+        acceleration=whole[:, :3],
+        angular_velocity=whole[:, 3:],
+        acceleration_clipped=np.zeros((n, 3), dtype=bool),
+        angular_velocity_clipped=np.zeros((n, 3), dtype=bool),
     )
 
 

@@ -46,8 +46,6 @@ class LinearisedArm:
     """(6, n), (v, omega) of the IMU in its own axes."""
     imu_gravity: Array
     """(3, n) [m/s^2/rad], change of gravity in the IMU's axes by tilting."""
-    imu_up: Array
-    """(3,) [m/s^2], reading of an ideal accelerometer at rest."""
 
     @property
     def n_free(self) -> int:
@@ -92,23 +90,21 @@ def linearised(arm: NominalArm, phi: Array) -> LinearisedArm:
     data = motion.data()
     forward(motion, data, q)
     tool = motion.jacobian(data, motion.mj.site("tool0").id)
-    (J_imu,), (tilt,), (up,) = imu_kinematics(motion, q[None])
+    (J_imu,), (tilt,), _ = imu_kinematics(motion, q[None])
     (mass,), (gradient,) = matrices(motion, q[None])
     passive = motion.mj.dof_damping[motion.joints]
     springs = arm.axes, arm.stiffness, arm.damping
-    return LinearisedArm(q, mass, gradient, passive, *springs, tool, J_imu, tilt, up)
+    return LinearisedArm(q, mass, gradient, passive, *springs, tool, J_imu, tilt)
 
 
 def at_rest(arm: NominalArm, phi: Array) -> Array:
-    """(n,) [rad], the arm's free joints with its motors held at phi (a,).
-
-    Raises RuntimeError when the springs cannot carry the arm.
-    """
+    """(n,) [rad], the free joints with the motors held at phi (a,). Raises RuntimeError when the
+    springs cannot carry the arm."""
     motion = arm.motion
     mj, data = motion.mj, motion.data()
     q = np.zeros(arm.n_free)
     q[arm.axes] = phi
-    data.ctrl[:] = arm.spring_input(phi, np.zeros_like(phi))
+    data.ctrl[:] = phi
     spring = np.diag(arm.mj.jnt_stiffness[arm.mj.dof_jntid][motion.joints])
     spring[arm.axes, arm.axes] += arm.stiffness
     for _ in range(_NEWTON_STEPS):
@@ -130,10 +126,8 @@ def forward(motion: FreeMotion, data: mujoco.MjData, q: Array) -> None:
 
 
 def imu_kinematics(motion: FreeMotion, q: Array) -> tuple[Array, Array, Array]:
-    """Jacobian (N, 6, n), tilt (N, 3, n) and up (N, 3) of the IMU at q (N, n).
-
-    See `LinearisedArm`.
-    """
+    """Jacobian (N, 6, n), gravity by tilting (N, 3, n) as of `LinearisedArm`, and reading at rest
+    (N, 3) [m/s^2] of the IMU at q (N, n)."""
     mj, data = motion.mj, motion.data()
     site = mj.site("imu").id
     J, up = np.empty((len(q), 6, q.shape[1])), np.empty((len(q), 3))

@@ -94,13 +94,6 @@ class NominalArm:
         mj.actuator_biasprm[springs, 1], mj.actuator_biasprm[springs, 2] = -K, -D
         return replace(self, mj=mj, stiffness=K, damping=D)
 
-    def spring_input(self, phi: Array, phi_dot: Array) -> Array:
-        """(..., n) controls of motor angles and rates (..., n).
-
-        K (phi - q) + D (phi' - q') = K (control - q) - D q'.
-        """
-        return phi + self.damping / self.stiffness * phi_dot
-
 
 def nominal_arm(robot: RobotModel, cfg: NominalCfg = NominalCfg()) -> NominalArm:
     """Nominal arm of a robot loaded from its MJCF file, as the file has it: payload and all.
@@ -110,33 +103,29 @@ def nominal_arm(robot: RobotModel, cfg: NominalCfg = NominalCfg()) -> NominalArm
             that neither closes a chain nor is a brake.
     """
     spec = robot.parsed()
-    _release_brakes(spec)
-    numbers = range(1, robot.n_axes + 1)
-    missing = [f"flex_{i}" for i in numbers if spec.joint(f"flex_{i}") is None]
-    if missing:
-        raise ModelError(f"the robot model lacks the joint {', '.join(missing)}")
-    gears = [(j.stiffness, j.damping) for j in (spec.joint(f"flex_{i}") for i in numbers)]
-    stiffness = np.array([float(np.ravel(k)[0]) for k, _ in gears]) * cfg.stiffness
-    damping = np.array([float(np.ravel(d)[0]) for _, d in gears]) * cfg.damping
-    if not cfg.structure:
-        without(spec, Flexibility.GEARS)
-    _replace_motors_by_springs(spec, robot.n_axes)
-    _reweigh(spec, cfg)
-    mj = spec.compile()
-    gear_dofs = [int(mj.joint(f"flex_{i}").dofadr[0]) for i in numbers]
-    axes = np.searchsorted(free_joints(mj), gear_dofs)
-    arm = NominalArm(mj=mj, axes=axes, stiffness=stiffness, damping=damping)
-    return arm.with_springs(arm.stiffness, damping)
-
-
-def _release_brakes(spec: mujoco.MjSpec) -> None:
-    """Delete the brakes, which hold motors. Raises ModelError for equalities of another kind."""
     for equality in list(spec.equalities):
-        if equality.name.startswith("brake_"):
+        if equality.name.startswith("brake_"):  # holds motors
             spec.delete(equality)
         elif equality.type != mujoco.mjtEq.mjEQ_CONNECT:
             allowed = "an estimator takes brakes and connections of closed chains"
             raise ModelError(f"{allowed}, not the equality {equality.name!r}")
+    numbers = range(1, robot.n_axes + 1)
+    missing = [f"flex_{i}" for i in numbers if spec.joint(f"flex_{i}") is None]
+    if missing:
+        raise ModelError(f"the robot model lacks the joint {', '.join(missing)}")
+    gears = [spec.joint(f"flex_{i}") for i in numbers]
+    stiffness = np.array([np.ravel(gear.stiffness)[0] for gear in gears]) * cfg.stiffness
+    damping = np.array([np.ravel(gear.damping)[0] for gear in gears]) * cfg.damping
+    if not cfg.structure:
+        without(spec, Flexibility.GEARS)
+    _replace_motors_by_springs(spec, robot.n_axes)
+    if cfg.payload:
+        _reweigh(spec.body("tool"), cfg.payload)
+    mj = spec.compile()
+    gear_dofs = [int(mj.joint(f"flex_{i}").dofadr[0]) for i in numbers]
+    axes = np.searchsorted(free_joints(mj), gear_dofs)
+    arm = NominalArm(mj=mj, axes=axes, stiffness=stiffness, damping=damping)
+    return arm.with_springs(stiffness, damping)
 
 
 def _replace_motors_by_springs(spec: mujoco.MjSpec, n_axes: int) -> None:
@@ -145,9 +134,8 @@ def _replace_motors_by_springs(spec: mujoco.MjSpec, n_axes: int) -> None:
         spec.delete(spec.actuator(f"axis_{i}"))
         for what in ("pos", "torque"):
             spec.delete(spec.sensor(f"axis_{i}_{what}"))
-    for tendon in list(spec.tendons):
-        if tendon.name.startswith("gear_"):
-            spec.delete(tendon)
+    for tendon in [one for one in spec.tendons if one.name.startswith("gear_")]:
+        spec.delete(tendon)
     for i in numbers:
         spec.delete(spec.joint(f"motor_{i}"))
         gear = spec.joint(f"flex_{i}")
@@ -157,26 +145,22 @@ def _replace_motors_by_springs(spec: mujoco.MjSpec, n_axes: int) -> None:
         spring.gaintype, spring.biastype = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE
 
 
-def _reweigh(spec: mujoco.MjSpec, cfg: NominalCfg) -> None:
-    if cfg.payload:
-        tool = spec.body("tool")
-        if tool is None:
-            raise ModelError("the robot model lacks the body tool, which carries the payload")
-        if tool.mass + cfg.payload < 0.0:
-            change = f"{cfg.payload:+g} kg leaves less than nothing of its {tool.mass:g} kg"
-            raise ValueError(f"the payload of the assumed arm must be >= 0 kg: {change}")
-        # A payload of other mass and the same shape.
-        tool.inertia = np.asarray(tool.inertia) * (1.0 + cfg.payload / tool.mass)
-        tool.mass += cfg.payload
+def _reweigh(tool: mujoco.MjsBody | None, payload: float) -> None:
+    """A payload of other mass and the same shape."""
+    if tool is None:
+        raise ModelError("the robot model lacks the body tool, which carries the payload")
+    if tool.mass + payload < 0.0:
+        change = f"{payload:+g} kg leaves less than nothing of its {tool.mass:g} kg"
+        raise ValueError(f"the payload of the assumed arm must be >= 0 kg: {change}")
+    tool.inertia = np.asarray(tool.inertia) * (1.0 + payload / tool.mass)
+    tool.mass += payload
 
 
 def assumed_arm(
     robot: RobotModel, stiffness_error: float, seed: int, cfg: NominalCfg = NominalCfg()
 ) -> NominalArm:
-    """The arm as its owner assumes it: the stiffness of each gear is wrong by a uniform factor.
-
-    stiffness_error: relative, e.g. 0.3 for factors in 0.7 .. 1.3, beside those of `cfg`.
-    """
+    """The arm as its owner assumes it: the stiffness of each gear is wrong by a uniform factor in 1
+    +- `stiffness_error`, beside those of `cfg`."""
     rng = np.random.default_rng([seed, _STREAM])
     stiffness_error += 0.0  # no -0.0, from which to 0.0 is no range to numpy
     factors = 1.0 + rng.uniform(-stiffness_error, stiffness_error, robot.n_axes)

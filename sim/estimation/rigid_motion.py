@@ -75,7 +75,6 @@ class RigidMotion:
             tool_jacobian=arm.motion.jacobian(data, arm.mj.site("tool0").id),
             imu_jacobian=self.imu_jacobian[at],
             imu_gravity=self.imu_gravity[at],
-            imu_up=self.up[at],
         )
 
     def beginning(self, seconds: float) -> "RigidMotion":

@@ -10,8 +10,6 @@ An arm whose axes are parallel has none: they would move its tool out of the pla
 be corrected.
 """
 
-from collections.abc import Iterator
-
 import mujoco
 import numpy as np
 
@@ -30,10 +28,8 @@ _PARALLEL = np.cos(0.01)  # cosine of the largest angle between parallel axes
 
 
 def with_structure(robot: RobotModel) -> RobotModel:
-    """The robot with springs across its first axes, in place of those its file knows.
-
-    Each is as stiff as the gear it stands beside: a start for an identification.
-    """
+    """The robot with springs across its first axes in place of those its file knows, each as stiff
+    as the gear beside: a start for an identification."""
     spec = robot.parsed()
     for name in [joint.name for joint in spec.joints if joint.name.startswith("struct_")]:
         spec.delete(spec.joint(name))
@@ -54,10 +50,8 @@ def _is_in_a_plane(robot: RobotModel) -> bool:
 
 
 def across(robot: RobotModel, axis: int) -> list[HiddenHinge]:
-    """The two springs across one axis, counted from 0; none across one that slides.
-
-    None within a linkage whose passive joints cannot follow them.
-    """
+    """The two springs across one axis, counted from 0; none across one that slides, or within a
+    linkage whose passive joints cannot follow them."""
     mj = robot.mj
     joint = mj.joint(f"motor_{axis + 1}")
     carrying = _carrying(robot, axis)
@@ -70,8 +64,8 @@ def across(robot: RobotModel, axis: int) -> list[HiddenHinge]:
     return [
         HiddenHinge(
             body=mj.body(body).name,
-            axis=_triple(direction),
-            position=_triple(place),
+            axis=tuple(direction.tolist()),
+            position=tuple(place.tolist()),
             stiffness=stiffness,
             damping=DAMPING_TIME * stiffness,
         )
@@ -81,9 +75,12 @@ def across(robot: RobotModel, axis: int) -> list[HiddenHinge]:
 
 def _carrying(robot: RobotModel, axis: int) -> tuple[int, Array, Array] | None:
     """Body on the way to the tool that rests on an axis; direction and place of it there."""
-    mj, chain = robot.mj, list(_to_the_tool(robot.mj))
+    mj, chain = robot.mj, [int(robot.mj.site_bodyid[robot.mj.site("tool0").id])]
+    while parent := int(mj.body_parentid[chain[-1]]):
+        chain.append(parent)
     joint = int(mj.joint(f"motor_{axis + 1}").id)
-    for j in (joint, *_followers(robot, axis)):
+    followers = (mj.dof_jntid[dof] for dof in passive_joints(mj) if robot.posture[dof, axis])
+    for j in (joint, *map(int, followers)):
         body = int(mj.jnt_bodyid[j])
         if body in chain:
             break
@@ -93,38 +90,19 @@ def _carrying(robot: RobotModel, axis: int) -> tuple[int, Array, Array] | None:
     pinned = {int(mj.site_bodyid[site]) for site in _pins(mj)}
     while j != joint and body in pinned and body != chain[0]:  # beyond the lever of a linkage
         following = chain[chain.index(body) - 1]
-        R = np.empty(9)
-        mujoco.mju_quat2Mat(R, mj.body_quat[following])
+        mujoco.mju_quat2Mat(R := np.empty(9), mj.body_quat[following])
         along = R.reshape(3, 3).T @ along
         place = R.reshape(3, 3).T @ (place - mj.body_pos[following])
         body = following
-    return None if _is_planar(mj) and _within_loop(mj, body) else (body, along, place)
-
-
-def _to_the_tool(mj: mujoco.MjModel) -> Iterator[int]:
-    """Bodies from the tool to the base."""
-    body = int(mj.site_bodyid[mj.site("tool0").id])
-    while body:
-        yield body
-        body = int(mj.body_parentid[body])
-
-
-def _followers(robot: RobotModel, axis: int) -> list[int]:
-    """Passive joints that follow a motor."""
-    passive = passive_joints(robot.mj)
-    return [int(robot.mj.dof_jntid[dof]) for dof in passive if robot.posture[dof, axis]]
+    # Passive joints that are too few to follow what leaves the plane of their linkage.
+    planar = len(joints(mj, "link_")) < 3 * (len(_pins(mj)) // 2)
+    return None if planar and _within_loop(mj, body) else (body, along, place)
 
 
 def _pins(mj: mujoco.MjModel) -> list[int]:
     """Sites at which linkages are closed."""
     closing = mj.eq_type == mujoco.mjtEq.mjEQ_CONNECT
     return [*map(int, mj.eq_obj1id[closing]), *map(int, mj.eq_obj2id[closing])]
-
-
-def _is_planar(mj: mujoco.MjModel) -> bool:
-    """Whether the passive joints are too few to follow what leaves the plane of their linkage."""
-    closing = int((mj.eq_type == mujoco.mjtEq.mjEQ_CONNECT).sum())
-    return len(joints(mj, "link_")) < 3 * closing
 
 
 def _within_loop(mj: mujoco.MjModel, body: int) -> bool:
@@ -159,8 +137,3 @@ def _foot(mj: mujoco.MjModel, body: int, axis: Array, place: Array) -> Array:
     origin = R.T @ -data.xpos[body]
     along = axis / np.linalg.norm(axis)
     return place + ((origin - place) @ along) * along
-
-
-def _triple(vector: Array) -> tuple[float, float, float]:
-    x, y, z = map(float, vector)
-    return x, y, z

@@ -31,10 +31,8 @@ _STEP = 1e-3  # of the differences for sensitivities
 def tool_covariance(
     known: ToolEstimator, fit: ParameterEstimate, nominal: Elasticity, robot: RobotModel
 ) -> Array:
-    """(N, 3, 3) [m^2] of the displacement from rest, along the first run's motion.
-
-    robot: data of the robot's type: its encoders, and the amplitudes of its gear errors.
-    """
+    """(N, 3, 3) [m^2] of the displacement from rest along the first run, by encoders and amplitudes
+    of gear errors of the robot's type."""
     motion = known.along
     J = tool_jacobian(motion)[:, :3]
     S = sensitivities(motion, nominal, fit.theta, J)
@@ -67,7 +65,7 @@ def sensitivities(motion: RigidMotion, nominal: Elasticity, theta: Array, J: Arr
     n_springs = len(nominal.stiffness) + 3
 
     def displaced(at: Array) -> Array:
-        d = deflection(motion, parameters_at(nominal, at, 1.0).springs).angle
+        d = deflection(motion, parameters_at(nominal, at).springs).angle
         path = (J @ d[:, :, None])[:, :, 0]
         return path - path[:REST_SAMPLES].mean(axis=0)
 
@@ -77,11 +75,8 @@ def sensitivities(motion: RigidMotion, nominal: Elasticity, theta: Array, J: Arr
 
 
 def encoder_variance(drives: Drives, period: float) -> Array:
-    """(n,) [rad^2] of the gears' outputs from rest, by rounding to counts and encoder noise.
-
-    Rounding is white along a motion, and one constant error at rest; the low-pass of motor angles
-    leaves the fraction 2 f T of what is white.
-    """
+    """(n,) [rad^2] of the gears' outputs from rest: rounding to counts, white along a motion and
+    one constant error at rest, and noise; the low-pass leaves 2 f T of what is white."""
     if not drives.encoder_counts > 0.0:
         return np.zeros(len(drives.gear))
     left = min(2.0 * ENCODER_FILTER * period, 1.0)

@@ -20,6 +20,10 @@ CUTOFF = 13.0
 up to there."""
 STIFFEST = 20.0
 """Largest pass band by the arm's lowest mode [Hz], as of learning from the motors' angles."""
+ROTATION_WEIGHT = 0.1
+"""[m]: an orientation error of 1 mrad counts as a position error of 0.1 mm."""
+LIMIT = 0.02
+"""Largest displacement of the tool by the correction of each axis [m]."""
 
 
 class ToolLawKind(Enum):
@@ -41,18 +45,12 @@ class ToolLaw:
     """Of Q [Hz]; `pass_band` of the programmed contour and the arm if None."""
     delta: int = 3
     """Time shift of the heuristic law [samples]."""
-    rotation_weight: float = 0.1
-    """[m]: an orientation error of 1 mrad counts as a position error of 0.1 mm."""
-    limit: float = 0.02
-    """Largest displacement of the tool by the correction of each axis [m]."""
     guarded: bool = True
     """Reduce the gain when errors no longer fall."""
 
     def along(self, plants: PathPlants, turn_rate: float, *, rotations: bool = True) -> Law:
-        """The law on the arm along a path: the inverse fades from place to place.
-
-        The other kinds are built on the plant in the middle. Arguments and errors as of `law`.
-        """
+        """The law along a path, as `law`: the inverse fades from place to place, the other kinds
+        are built on the plant in the middle."""
         mode = plants.lowest_mode
         if self.kind is not ToolLawKind.INVERSE:
             return self.law(plants.middle, turn_rate, rotations=rotations, lowest_mode=mode)
@@ -62,12 +60,7 @@ class ToolLaw:
         return self._guarded(chosen, rotations)
 
     def law(
-        self,
-        plant: ArmPlant,
-        turn_rate: float,
-        *,
-        rotations: bool = True,
-        lowest_mode: float = 0.0,
+        self, plant: ArmPlant, turn_rate: float, *, rotations: bool = True, lowest_mode: float = 0.0
     ) -> Law:
         """The law on one plant's model. Raises ValueError for design variables out of range.
 
@@ -76,13 +69,13 @@ class ToolLaw:
             rotations: errors have orientations, not positions alone.
             lowest_mode: of the plant's arm [Hz], if its springs were identified.
         """
-        weight, size = self._weight(rotations), tuple(float(s) for s in plant.input_size)
-        cutoff = self._cutoff(turn_rate, lowest_mode)
+        weight, cutoff = _weight(rotations), self._cutoff(turn_rate, lowest_mode)
         low_pass = ZeroPhaseButterworth(cutoff, LOG_PERIOD)
         chosen: FirstOrderLaw
         if self.kind is ToolLawKind.INVERSE:
             chosen = self._inverse(plant, cutoff, rotations)
         elif self.kind is ToolLawKind.NORM_OPTIMAL:
+            size = tuple(plant.input_size.tolist())
             chosen = RecordOptimal(G=plant, F=low_pass, output_weight=weight, input_size=size)
         else:
             J = plant.arm.tool_jacobian[:, plant.arm.axes] * np.sign(weight)[:, None]
@@ -97,20 +90,21 @@ class ToolLaw:
             sample_time=LOG_PERIOD,
             cutoff=cutoff,
             gamma=self.gamma,
-            output_weight=self._weight(rotations),
-            input_size=tuple(float(s) for s in plant.input_size),
-            limit=self.limit,
+            output_weight=_weight(rotations),
+            input_size=tuple(plant.input_size.tolist()),
+            limit=LIMIT,
         )
 
     def _cutoff(self, turn_rate: float, lowest_mode: float) -> float:
         return pass_band(turn_rate, lowest_mode) if self.cutoff is None else self.cutoff
 
-    def _weight(self, rotations: bool) -> tuple[float, ...]:
-        rotation = self.rotation_weight if rotations else 0.0
-        return (1.0, 1.0, 1.0, rotation, rotation, rotation)
-
     def _guarded(self, law: FirstOrderLaw, rotations: bool) -> Law:
-        return Guarded(law=law, weight=self._weight(rotations)) if self.guarded else law
+        return Guarded(law=law, weight=_weight(rotations)) if self.guarded else law
+
+
+def _weight(rotations: bool) -> tuple[float, ...]:
+    rotation = ROTATION_WEIGHT if rotations else 0.0
+    return (1.0, 1.0, 1.0, rotation, rotation, rotation)
 
 
 def pass_band(turn_rate: float, lowest_mode: float = 0.0) -> float:

@@ -16,4 +16,3 @@ from .analysis import coverage as coverage
 from .analysis import coverage_notes as coverage_notes
 from .judgement import Remaining as Remaining
 from .transmission import Transmission as Transmission
-from .virtual_run import Excitation as Excitation

@@ -117,13 +117,12 @@ def align(robot: CompiledRobot, recording: MotionRecording) -> Aligned:
     Raises:
         ValueError: a sensor did not see this motion, or its units are wrong; names the recording.
     """
+    imu, tracker = None, None
     try:
         motion = encoder_motion(robot, recording.encoders)
-        imu = None
         if recording.imu is not None:
             check_motors(robot, motion, recording.imu)
             imu = align_imu(motion, recording.imu)
-        tracker = None
         if recording.tracker is not None:
             tracker = align_tracker(motion, recording.tracker, ALIGNED_ON)
     except ValueError as error:

@@ -5,8 +5,8 @@ band's end, and if the joint moves at a rate at which an order of the scan falls
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,14 +88,14 @@ class Judgement:
     sensor: float
     sham_sensor: float
     """Residual of the learning sensor, with over without the transmission error."""
-    tool: Remaining | None
-    sham_tool: Remaining | None
+    tool: Remaining | None = None
+    sham_tool: Remaining | None = None
     """The same by the tracker."""
-    smoothed: Remaining | None
+    smoothed: Remaining | None = None
     """With the IMU of that recording smoothed into it."""
-    bands: tuple[InBand, ...]
+    bands: tuple[InBand, ...] = ()
     """Both in bands of frequency; empty without tracker."""
-    spectra: Spectra | None
+    spectra: Spectra | None = None
     unjudged: str | None = None
     """Why no tracker judges it."""
 
@@ -177,40 +177,31 @@ def _judged(
     cfg: GearsCfg,
 ) -> Judgement:
     assert control is not None
-    return Judgement(
+    judged = Judgement(
         recording=one.name,
         learned_from=source,
         found=found,
         sham=control,
         sensor=sensor_ratio(found, seen),
         sham_sensor=sensor_ratio(control, seen),
-        **_by_tracker(one, found, control, cfg),
     )
-
-
-def _by_tracker(
-    one: Aligned, found: Transmission, control: Transmission, cfg: GearsCfg
-) -> dict[str, Any]:
-    """Entries of a judgement that a tracker makes, where it saw enough."""
-    rows = None if one.tracker is None else judged_rows(one)
-    if rows is None or rows.sum() < SHORTEST_SEEN * RATE:
-        why = "it has no samples of a tracker or of cameras"
-        if rows is not None:
-            seen = f"{rows.sum() / RATE:.3g} s of its second half"
-            why = f"the tracker saw {seen}, {SHORTEST_SEEN:g} s are needed"
-        nothing = dict.fromkeys(("tool", "sham_tool", "smoothed", "spectra"))
-        return nothing | {"bands": (), "unjudged": why}
+    if one.tracker is None:
+        return replace(judged, unjudged="it has no samples of a tracker or of cameras")
+    rows = judged_rows(one)
+    if rows.sum() < SHORTEST_SEEN * RATE:
+        saw = f"the tracker saw {rows.sum() / RATE:.3g} s of its second half"
+        return replace(judged, unjudged=f"{saw}, {SHORTEST_SEEN:g} s are needed")
     residual = one.tool_residual()[0]
     gears, sham = (x.tool_error(one.motion, one.target).sum(axis=2) for x in (found, control))
     both = None if one.imu is None else fused(one, found)
-    smoothed = None if both is None else remaining(residual, both, rows, cfg.judged)
-    return {
-        "tool": remaining(residual, gears, rows, cfg.judged),
-        "sham_tool": remaining(residual, sham, rows, cfg.judged),
-        "smoothed": smoothed,
-        "bands": in_bands(residual, gears, both, rows),
-        "spectra": spectra(residual, gears, both, rows),
-    }
+    return replace(
+        judged,
+        tool=remaining(residual, gears, rows, cfg.judged),
+        sham_tool=remaining(residual, sham, rows, cfg.judged),
+        smoothed=None if both is None else remaining(residual, both, rows, cfg.judged),
+        bands=in_bands(residual, gears, both, rows),
+        spectra=spectra(residual, gears, both, rows),
+    )
 
 
 WHOLE = 0.9
@@ -230,7 +221,11 @@ class Coverage(NamedTuple):
 
 def coverage(done: GearAnalysis) -> tuple[Coverage, ...]:
     """Coverage of each joint by all recordings."""
-    usable = np.concatenate([_usable(done, one) for one in done.aligned])
+    low, high = 2.0 * np.pi * np.array(done.cfg.band)
+    rate = np.abs(np.concatenate([one.motion.rate for one in done.aligned]))
+    seen = np.concatenate([_seen(done, one) for one in done.aligned])
+    shown = (rate * done.cfg.largest_order >= low) & (rate * SMALLEST <= high)
+    usable = shown & seen[:, None]
     smallest = [
         np.median(np.sqrt(CHANCE * typical / np.maximum(unit, np.finfo(np.float32).tiny)))
         for typical, unit in zip(done.scan.typical, done.scan.unit, strict=True)
@@ -242,43 +237,26 @@ def coverage(done: GearAnalysis) -> tuple[Coverage, ...]:
 
 
 def coverage_notes(done: GearAnalysis) -> tuple[str, ...]:
-    """A line for each recording that a sensor saw a part of, joint of which nothing was found, and
-    recording without a judge.
-
-    Of an error that is missed the line states the median over the orders.
-    """
+    """A line for each recording that a sensor saw a part of or no tracker judges, and each joint of
+    which nothing was found, with the median over the orders of what is missed."""
     found = set() if done.found is None else {term.joint for term in done.found.terms}
-    notes = [note for one in done.aligned if (note := _seen_note(done, one))]
+    notes = []
+    for one in done.aligned:
+        if (fraction := float(_seen(done, one).mean())) < WHOLE:
+            saw = f"encoders and {done.sensor} saw {100 * fraction:.0f} % of the motion"
+            notes.append(f"{one.name}: {saw} without holes")
     for joint, own in enumerate(coverage(done), 1):
         if joint not in found:
-            notes.append(f"joint {joint}: {_missed(own)}")
+            usable = f"{100 * own.usable:.0f} % of samples usable"
+            missed = f"no order found: {usable}, errors below {1e6 * own.smallest:.0f} µrad missed"
+            if own.seconds < SHORTEST:
+                seconds = f"{own.seconds:.2g} s of {SHORTEST:g} needed"
+                missed = f"cannot be judged: {usable}, {seconds}"
+            notes.append(f"joint {joint}: {missed}")
     for one in done.judgements:
         if one.unjudged:
             notes.append(f"{one.recording}: not judged at the tool: {one.unjudged}")
     return tuple(notes)
-
-
-def _missed(own: Coverage) -> str:
-    usable = f"{100 * own.usable:.0f} % of samples usable"
-    if own.seconds < SHORTEST:
-        return f"cannot be judged: {usable}, {own.seconds:.2g} s of {SHORTEST:g} needed"
-    return f"no order found: {usable}, errors below {1e6 * own.smallest:.0f} µrad missed"
-
-
-def _seen_note(done: GearAnalysis, one: Aligned) -> str:
-    fraction = float(_seen(done, one).mean())
-    if fraction >= WHOLE:
-        return ""
-    seen = f"{100 * fraction:.0f} % of the motion"
-    return f"{one.name}: encoders and {done.sensor} saw {seen} without holes"
-
-
-def _usable(done: GearAnalysis, one: Aligned) -> NDArray[np.bool_]:
-    """(M, n), samples of a recording's motion that are usable for each joint."""
-    low, high = 2.0 * np.pi * np.array(done.cfg.band)
-    rate = np.abs(one.motion.rate)
-    shown = (rate * done.cfg.largest_order >= low) & (rate * SMALLEST <= high)
-    return shown & _seen(done, one)[:, None]
 
 
 def _seen(done: GearAnalysis, one: Aligned) -> NDArray[np.bool_]:

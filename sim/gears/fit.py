@@ -4,14 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from operator import add
-from typing import Any
 
 import numpy as np
 
 from armside.arrays import Array
 
 from .residual_spectra import Observation, Spectrum, as_real
-from .scan import Candidate
+from .scan import Candidate, smallest
 from .transmission import Transmission
 
 RIDGE = 1e-2
@@ -23,7 +22,7 @@ BLOCK = 2.0
 
 @dataclass(frozen=True, eq=False)
 class Normal:
-    """Normal equations of one observation over candidates: X^T X, X^T y, y^T y."""
+    """Normal equations over candidates: X^T X, X^T y, y^T y."""
 
     gram: Array
     score: Array
@@ -57,11 +56,15 @@ def _ridge(gram: Array) -> Array:
     return RIDGE * np.diag(np.diag(gram)) + np.finfo(float).tiny * np.eye(len(gram))
 
 
-def normal(one: Observation, candidates: Sequence[Candidate]) -> Normal:
-    """Normal equations of an observation over all candidates."""
-    X = np.concatenate([as_real(one.columns(*candidate)) for candidate in candidates], axis=1)
-    X, y = X.astype(np.float64), as_real(one.target)
-    return Normal(X.T @ X, X.T @ y, float(y @ y))
+def normal(observations: Sequence[Observation], candidates: Sequence[Candidate]) -> Normal:
+    """Normal equations over all candidates, summed over the observations."""
+
+    def of(one: Observation) -> Normal:
+        X = np.concatenate([as_real(one.columns(*candidate)) for candidate in candidates], axis=1)
+        X, y = X.astype(np.float64), as_real(one.target)
+        return Normal(X.T @ X, X.T @ y, float(y @ y))
+
+    return reduce(add, map(of, observations))
 
 
 def chosen(
@@ -69,10 +72,8 @@ def chosen(
 ) -> list[int]:
     """Candidates in the order in which they explain most beside those before them.
 
-    Args:
-        equations: sum over the recordings that are learned from.
-        floor: (n,), energy that a candidate of each joint must explain.
-        per_joint: most terms of one joint.
+    floor: (n,), energy that a candidate of each joint must explain, of which `per_joint` at most
+    are taken.
     """
     taken: list[int] = []
     while True:
@@ -90,26 +91,24 @@ def chosen(
 
 
 def fit(
-    observations: Sequence[Observation],
-    equations: Normal,
-    terms: Sequence[Candidate],
-    softness_spread: float = np.inf,
+    observations: Sequence[Observation], terms: Sequence[Candidate], softness_spread: float = np.inf
 ) -> Transmission:
-    """Transmission error with these terms; `equations` are those of the terms, summed.
+    """Transmission error with these terms.
 
     Its covariance is that of amplitudes, phases and orders found together, and of the softness of
     the arm where that was found too, which varies between joints by `softness_spread` [s^2].
     """
-    x = equations.refined().reshape(-1, 2)
+    x = normal(observations, terms).refined().reshape(-1, 2)
     gram, meat = np.zeros((2, 1, 1))
     for one in observations:
         X = _with_slopes(one, terms, x)
         residual = one.target - X[:, :, : x.size] @ x.ravel()
         real = as_real(X).astype(np.float64)
         gram, meat = gram + real.T @ real, meat + _scores(one, X, residual)
-    bread = np.linalg.inv(gram + _ridge(gram) + _prior(len(gram), x, softness_spread))
+    n, prior = x.size, np.zeros(len(gram))
+    prior[n + len(terms) :] = 0.5 / softness_spread**2  # softnesses follow coefficients and orders
+    bread = np.linalg.inv(gram + _ridge(gram) + np.diag(prior))
     covariance = bread @ meat @ bread
-    n = x.size
     orders = covariance[n : n + len(terms), n : n + len(terms)]
     return Transmission(
         joints=tuple(joint for joint, _ in terms),
@@ -118,13 +117,6 @@ def fit(
         covariance=covariance[:n, :n],
         order_deviations=np.sqrt(np.diag(orders)),
     )
-
-
-def _prior(size: int, x: Array, softness_spread: float) -> Array:
-    """(m, m), of the softnesses, which follow coefficients and orders."""
-    weight = np.zeros(size)
-    weight[x.size + len(x) :] = 0.5 / softness_spread**2
-    return np.diag(weight)
 
 
 def _with_slopes(one: Observation, terms: Sequence[Candidate], x: Array) -> Spectrum:
@@ -140,10 +132,8 @@ def _with_slopes(one: Observation, terms: Sequence[Candidate], x: Array) -> Spec
 
 
 def _scores(one: Observation, X: Spectrum, residual: Spectrum) -> Array:
-    """Sum of the outer products of the scores of stretches of time, which vary in noise.
-
-    (m, m). Vibration comes and goes with the motion, so frequencies are not independent.
-    """
+    """(m, m), sum of the outer products of the scores of stretches of time: vibration comes and
+    goes with the motion, so frequencies are not independent."""
     left = one.in_time(residual)
     starts = np.arange(0, len(left), int(BLOCK * one.sampling))
     scores = np.zeros((len(starts), X.shape[2]))
@@ -175,10 +165,15 @@ def softened(
 
     Joints without terms have that of all. The third is its standard deviation between joints.
     """
-    n = observations[0].n_joints
+    n = observations[0].phi.shape[1]
     largest = float((NEAREST * max(one.band[1] for one in observations)) ** -2)
     spread = SPREAD * largest
-    common = _smallest(lambda p: _missed(observations, terms, np.full(n, p)), largest)
+
+    def explained(softness: Array) -> float:
+        return normal([replace(one, softness=softness) for one in observations], terms).explained()
+
+    bounds = 0.0, largest, 0.01 * largest
+    common = smallest(lambda p: -explained(np.full(n, p)), *bounds)
     softness = np.full(n, common)
     for joint in sorted({joint for joint, _ in terms}):
 
@@ -186,22 +181,7 @@ def softened(
             tried = softness.copy()
             tried[joint] = p
             # Energies are sums of |r|^2 of complex bins: minus the logarithm of the likelihood.
-            return _missed(observations, terms, tried) + 0.5 * ((p - common) / spread) ** 2
+            return 0.5 * ((p - common) / spread) ** 2 - explained(tried)
 
-        softness[joint] = _smallest(missed, largest)
+        softness[joint] = smallest(missed, *bounds)
     return [replace(one, softness=softness) for one in observations], softness, spread
-
-
-def _smallest(missed: Any, largest: float) -> float:
-    from scipy.optimize import minimize_scalar
-
-    how: dict[str, Any] = {"bounds": (0.0, largest), "method": "bounded"}
-    found: Any = minimize_scalar(missed, options={"xatol": 0.01 * largest}, **how)
-    return float(found.x)
-
-
-def _missed(
-    observations: Sequence[Observation], terms: Sequence[Candidate], softness: Array
-) -> float:
-    parts = (normal(replace(one, softness=softness), terms) for one in observations)
-    return -reduce(add, parts).explained()

@@ -9,7 +9,6 @@ it stands out from its own noise (a Wiener smoother of the same second moments):
 S is the smoothed power of a, S_noise its mean over 3 to 5.5 Hz, where the tool hardly vibrates.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,46 +37,30 @@ TAPER = 2.0
 
 
 def fused(aligned: Aligned, found: Transmission) -> Array:
-    """(M, 3) [m], error of the tool that the encoders do not see, base axes.
-
-    Raises ValueError for a recording without IMU.
-    """
-    gear = found.tool_error(aligned.motion, aligned.target).sum(axis=2)
-    return gear + vibration(aligned, found)
-
-
-def vibration(aligned: Aligned, found: Transmission) -> Array:
-    """(M, 3) [m], the part of it that is not transmission error."""
+    """(M, 3) [m], error of the tool that the encoders do not see, base axes, with an IMU."""
     from scipy.fft import irfft, rfft, rfftfreq
 
-    if aligned.imu is None or aligned.recording.imu is None:
-        raise ValueError(f"{aligned.name}: a smoother needs an IMU")
+    assert aligned.imu is not None
+    assert aligned.recording.imu is not None
     motion = aligned.motion
     seen = aligned.imu.covered(motion, aligned.recording.imu)
     residual = aligned.imu.residual(motion, aligned.recording.imu)[:, :3]
     window = (_window(seen) * _undisturbed(residual))[:, None]
-    a = rfft(window * residual, axis=0)
     f = np.asarray(rfftfreq(len(motion.time), 1.0 / RATE), dtype=np.float64)
-    a = np.asarray(a) - _of_gears(aligned, found, window, f)
+    # Less what the transmission error adds to the accelerometer.
+    moved = found.tool_error(motion, aligned.imu.lever).sum(axis=2)
+    turned = np.einsum("mij,mj->mi", motion.J[:, 3:], found(motion.phi))
+    tilt = np.asarray(rfft(window * np.cross(turned, GRAVITY), axis=0))
+    of_gears = tilt - (2.0 * np.pi * f[:, None]) ** 2 * np.asarray(rfft(window * moved, axis=0))
+    a = np.asarray(rfft(window * residual, axis=0)) - of_gears
     inside = (f >= BAND[0]) & (f <= BAND[1])
     power = smoothed(np.abs(a) ** 2, int(SMOOTHED * len(motion.time) / RATE) // 2)
     noise = power[(f >= QUIET[0]) & (f <= QUIET[1])].mean(axis=0)
     W = np.clip(1.0 - noise / np.maximum(power, np.finfo(float).tiny), 0.0, 1.0)
     omega = 2.0 * np.pi * np.maximum(f, BAND[0])[:, None]
-    return np.asarray(irfft(np.where(inside[:, None], -W / omega**2 * a, 0.0), len(seen), axis=0))
-
-
-def _of_gears(aligned: Aligned, found: Transmission, window: Array, f: Array) -> Array:
-    """Spectrum of what the transmission error adds to the accelerometer, base axes."""
-    from scipy.fft import rfft
-
-    assert aligned.imu is not None
-    motion = aligned.motion
-    moved = found.tool_error(motion, aligned.imu.lever).sum(axis=2)
-    turned = np.einsum("mij,mj->mi", motion.J[:, 3:], found(motion.phi))
-    spectrum = np.asarray(rfft(window * moved, axis=0))
-    tilt = np.asarray(rfft(window * np.cross(turned, GRAVITY), axis=0))
-    return tilt - (2.0 * np.pi * f[:, None]) ** 2 * spectrum
+    vibration = irfft(np.where(inside[:, None], -W / omega**2 * a, 0.0), len(seen), axis=0)
+    gear = found.tool_error(motion, aligned.target).sum(axis=2)
+    return gear + np.asarray(vibration)
 
 
 def _window(seen: NDArray[np.bool_]) -> Array:
@@ -190,26 +173,22 @@ class Spectra:
 
 
 def in_bands(
-    residual: Array,
-    gears: Array,
-    fused: Array | None,
-    rows: NDArray[np.bool_],
-    bands: Sequence[tuple[float, float]] = BANDS,
+    residual: Array, gears: Array, fused: Array | None, rows: NDArray[np.bool_]
 ) -> tuple[InBand, ...]:
     """What the estimates (M, 3) [m] leave of a tracker's residual (M, 3) [m] in each band."""
-
-    def one(band: tuple[float, float]) -> InBand:
+    found = []
+    for band in BANDS:
         left = remaining(residual, gears, rows, band)
-        both = None if fused is None else remaining(residual, fused, rows, band).pooled
-        return InBand(
-            band=band,
-            rms=_distance(left.rms),
-            floor=_distance(left.floor),
-            gears=left.pooled,
-            fused=both,
+        found.append(
+            InBand(
+                band=band,
+                rms=float(np.linalg.norm(left.rms)),
+                floor=float(np.linalg.norm(left.floor)),
+                gears=left.pooled,
+                fused=None if fused is None else remaining(residual, fused, rows, band).pooled,
+            )
         )
-
-    return tuple(one(band) for band in bands)
+    return tuple(found)
 
 
 def spectra(residual: Array, gears: Array, fused: Array | None, rows: NDArray[np.bool_]) -> Spectra:
@@ -225,7 +204,3 @@ def _density(x: Array) -> tuple[Array, Array]:
 
     frequency, power = welch(x, RATE, nperseg=int(SEGMENT * RATE), detrend="linear", axis=0)
     return np.asarray(frequency), np.sqrt(power.sum(axis=1))
-
-
-def _distance(axes: Array) -> float:
-    return float(np.linalg.norm(axes))

@@ -52,11 +52,6 @@ class Observation:
     explained: Spectrum | None = None
     """(B, c) complex, part of the residual's spectrum that is no noise, as far as it is known."""
 
-    @property
-    def n_joints(self) -> int:
-        """Number of joints."""
-        return self.phi.shape[1]
-
     @cached_property
     def target(self) -> Spectrum:
         """(B, c) complex, weighted spectrum of the residual in the band."""
@@ -160,10 +155,8 @@ class Observation:
         return np.sqrt(smoothed(power, half)).astype(np.float32)
 
     def reweighted(self, weighted: Spectrum) -> "Observation":
-        """The same with its noise taken from what a model (B, c), weighted, leaves of it.
-
-        Weights that are made of signal and noise together make every amplitude too small.
-        """
+        """The same with its noise taken from what a model (B, c), weighted, leaves of it: signal
+        and noise together as weights make every amplitude too small."""
         return replace(self, explained=weighted * self._weight)
 
     def in_time(self, spectrum: Spectrum) -> Array:

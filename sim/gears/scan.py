@@ -33,18 +33,16 @@ class Scan:
     """Of the residual."""
 
     def __add__(self, other: "Scan") -> "Scan":
-        explained = _sums(self.explained, other.explained)
-        unit = _sums(self.unit, other.unit)
+        explained, unit = (
+            tuple(a + b for a, b in zip(these, those, strict=True))
+            for these, those in ((self.explained, other.explained), (self.unit, other.unit))
+        )
         return Scan(self.orders, explained, unit, self.energy + other.energy)
 
     @property
     def typical(self) -> Array:
         """(n,), median over the orders of each joint: 1.39 times the level of chance."""
         return np.array([np.median(values) for values in self.explained])
-
-
-def _sums(these: tuple[Array, ...], those: tuple[Array, ...]) -> tuple[Array, ...]:
-    return tuple(a + b for a, b in zip(these, those, strict=True))
 
 
 def resolution(phi: Array) -> Array:
@@ -96,15 +94,19 @@ def refined(
     observations: Sequence[Observation], targets: Sequence[Array], candidate: Candidate, half: float
 ) -> Candidate:
     """The order within `half` of a candidate that explains most of the targets, one each."""
-    from scipy.optimize import minimize_scalar
-
     joint, order = candidate
     pairs = [(one, as_real(y)) for one, y in zip(observations, targets, strict=True)]
 
     def missed(value: float) -> float:
         return -sum(_alone(one, joint, value, y)[0] for one, y in pairs)
 
-    bounds = (order - half, order + half)
-    how: dict[str, Any] = {"bounds": bounds, "method": "bounded", "options": {"xatol": REFINED}}
-    found: Any = minimize_scalar(missed, **how)
-    return joint, float(found.x)
+    return joint, smallest(missed, order - half, order + half, REFINED)
+
+
+def smallest(missed: Callable[[float], float], low: float, high: float, accuracy: float) -> float:
+    """Where a function is smallest between two bounds."""
+    from scipy.optimize import minimize_scalar
+
+    how: dict[str, Any] = {"method": "bounded", "options": {"xatol": accuracy}}
+    found: Any = minimize_scalar(missed, bounds=(low, high), **how)
+    return float(found.x)

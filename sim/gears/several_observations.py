@@ -9,7 +9,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from .fit import Normal, chosen, fit, normal, softened
+from .fit import chosen, fit, normal, softened
 from .residual_spectra import Observation
 from .scan import COARSE, Candidate, Scan, grids, peaks, refined, scan
 from .transmission import Transmission
@@ -48,33 +48,27 @@ class Course:
         return reduce(add, (self.scans[k] for k in lesson))
 
     def learn(self, lesson: Sequence[int]) -> tuple[Transmission | None, Transmission | None]:
-        """Transmission error by some of the observations, and the fit of as many sham orders.
-
-        None where no order stands out from chance.
-        """
-        total = self.total(lesson)
+        """Transmission error by some of the observations, and the fit of as many sham orders; None
+        where no order stands out from chance."""
+        total, own = self.total(lesson), [self.observations[k] for k in lesson]
         candidates = peaks(total, self.apart, CANDIDATES)
-        equations = self._equations(lesson, candidates)
+        equations = normal(own, candidates)
         taken = chosen(equations, candidates, CHANCE * total.typical, self.per_joint)
         if not taken:
             return None, None
-        terms = self._refined(lesson, [candidates[k] for k in taken])
-        return self._fit(lesson, terms), self._fit(lesson, sham(terms, self.apart))
+        terms = self._refined(own, [candidates[k] for k in taken])
+        return self._fit(own, terms), self._fit(own, sham(terms, self.apart))
 
-    def _equations(self, lesson: Sequence[int], candidates: Sequence[Candidate]) -> Normal:
-        return _summed([self.observations[k] for k in lesson], candidates)
+    def _fit(self, own: list[Observation], terms: Sequence[Candidate]) -> Transmission:
+        own = reweighted(own, terms)
+        if not self.elastic:
+            return fit(own, terms)
+        own, softness, spread = softened(own, terms)
+        return replace(fit(own, terms, spread), softness=softness)
 
-    def _fit(self, lesson: Sequence[int], terms: Sequence[Candidate]) -> Transmission:
-        own = reweighted([self.observations[k] for k in lesson], terms)
-        if self.elastic:
-            own, softness, spread = softened(own, terms)
-            return replace(fit(own, _summed(own, terms), terms, spread), softness=softness)
-        return fit(own, _summed(own, terms), terms)
-
-    def _refined(self, lesson: Sequence[int], terms: list[Candidate]) -> list[Candidate]:
+    def _refined(self, own: list[Observation], terms: list[Candidate]) -> list[Candidate]:
         """Orders between those of the scan, each beside the terms that were found before."""
-        own = [self.observations[k] for k in lesson]
-        x = self._equations(lesson, terms).solve().reshape(-1, 2)
+        x = normal(own, terms).solve().reshape(-1, 2)
         parts = [[one.columns(*t) @ c for t, c in zip(terms, x, strict=True)] for one in own]
         out: list[Candidate] = []
         for k, term in enumerate(terms):
@@ -90,16 +84,12 @@ def reweighted(
     observations: Sequence[Observation], terms: Sequence[Candidate]
 ) -> list[Observation]:
     """The observations with the noise that a first fit of these terms leaves."""
-    x = _summed(observations, terms).solve().reshape(-1, 2)
+    x = normal(observations, terms).solve().reshape(-1, 2)
     models = [
         sum((one.columns(*t) @ c for t, c in zip(terms, x, strict=True)), np.zeros(()))
         for one in observations
     ]
     return [one.reweighted(model) for one, model in zip(observations, models, strict=True)]
-
-
-def _summed(observations: Sequence[Observation], candidates: Sequence[Candidate]) -> Normal:
-    return reduce(add, (normal(one, candidates) for one in observations))
 
 
 def sham(terms: Sequence[Candidate], apart: Array) -> list[Candidate]:

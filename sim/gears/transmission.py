@@ -1,6 +1,6 @@
 """Transmission error of the gears of an arm: orders, amplitudes, phases, their confidence."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -58,24 +58,11 @@ class Transmission:
         """(M, 3, n) [m], displacement of a point of the tool by the error of each joint."""
         return motion.point_jacobian(target) * self(motion.phi)[:, None, :]
 
-    def of_joint(self, joint: int) -> "Transmission":
-        """The terms of one joint, from 0, without their covariance to others."""
-        own = [k for k, of in enumerate(self.joints) if of == joint]
-        pairs = [2 * k + i for k in own for i in (0, 1)]
-        return replace(
-            self,
-            joints=tuple(self.joints[k] for k in own),
-            orders=self.orders[own],
-            coefficients=self.coefficients[own],
-            covariance=self.covariance[np.ix_(pairs, pairs)],
-            order_deviations=self.order_deviations[own],
-        )
-
     @property
     def terms(self) -> list[Term]:
         """Terms by joint, the largest first."""
-        out = [self._term(k) for k in range(len(self.orders))]
-        return sorted(out, key=lambda term: (term.joint, -term.amplitude))
+        each = map(self._term, range(len(self.orders)))
+        return sorted(each, key=lambda term: (term.joint, -term.amplitude))
 
     def _term(self, k: int) -> Term:
         a, b = self.coefficients[k]

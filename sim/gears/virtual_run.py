@@ -4,17 +4,17 @@ The individual, its IMU and its tracker are those that `armside laser` draws wit
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from armside.arrays import Array
-from armside.kinematics import Limits, Robot, compile
+from armside.kinematics import Limits, compile
 
 from ..cell import Cell, ToolPose
 from ..instruments.laser_tracker import LaserTrackerCfg, set_up
-from ..laser.experiment import Pass, prepare
+from ..laser.experiment import prepare
 from ..laser.specification import Setup
 from ..motion.tool_motion import joint_reference
 from ..recordings.recorded_motion import MotionRecording, Stream
@@ -28,50 +28,36 @@ SMALLEST = 0.3
 """Fraction of the motion that must have room."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Excitation:
-    """Sums of sines, of other frequencies for each motor."""
+DURATION = 120.0
+"""[s], of a motion."""
+FREQUENCY, AMPLITUDE = (0.015, 0.05), (0.13, 0.26)
+"""[Hz] and [rad], range of each sine, another for each motor."""
+RAMP = 3.0
+"""[s], from rest and to rest."""
 
-    duration: float = 120.0
-    """[s]."""
-    frequency: tuple[float, float] = (0.015, 0.05)
-    amplitude: tuple[float, float] = (0.13, 0.26)
-    """[Hz] and [rad], range of each sine."""
-    ramp: float = 3.0
-    """[s], from rest and to rest."""
 
-    def reference(
-        self,
-        centre: Array,
-        limits: Limits,
-        rng: np.random.Generator,
-        slides: Sequence[bool] | None = None,
-    ) -> Array:
-        """Motor angles (N, n) [rad] at the log rate around `centre` (n,), at rest at both ends.
-
-        Where a joint limit is near, the whole motion is made smaller. slides: (n,), True for each
-        prismatic axis, whose motion is in [m]; none if None.
-
-        Raises ValueError for a centre outside of the limits, or so near that hardly any motion is
-        left; names the axis.
-        """
-        time = np.arange(0.0, self.duration, LOG_PERIOD)
-        motion = np.zeros((len(time), len(centre)))
-        for joint in range(len(centre)):
-            for _ in range(SINES):
-                f, a = rng.uniform(*self.frequency), rng.uniform(*self.amplitude)
-                phase = rng.uniform(0.0, 2.0 * np.pi)
-                motion[:, joint] += a * np.sin(2.0 * np.pi * f * time + phase)
-        ramp = np.clip(time / self.ramp, 0.0, 1.0)
-        ramp = ramp**2 * (3.0 - 2.0 * ramp)
-        motion *= (ramp * ramp[::-1])[:, None]
-        if slides is not None:
-            motion[:, np.array(slides)] *= OF_SLIDE
-        for size in np.arange(1.0, SMALLEST - 0.05, -0.05):
-            if limits.contain(centre + size * motion).all():
-                return centre + size * motion
-        said = _nearest(centre, SMALLEST * motion, limits)
-        raise ValueError(f"{said} too near to a joint limit for a motion that excites gears")
+def excitation(
+    centre: Array, limits: Limits, rng: np.random.Generator, slides: Sequence[bool]
+) -> Array:
+    """Motor angles (N, n) [rad] at the log rate around `centre` (n,): sums of sines, in [m] of
+    `slides`, made smaller where a joint limit is near. Raises ValueError where hardly any motion is
+    left; names the axis."""
+    time = np.arange(0.0, DURATION, LOG_PERIOD)
+    motion = np.zeros((len(time), len(centre)))
+    for joint in range(len(centre)):
+        for _ in range(SINES):
+            f, a = rng.uniform(*FREQUENCY), rng.uniform(*AMPLITUDE)
+            phase = rng.uniform(0.0, 2.0 * np.pi)
+            motion[:, joint] += a * np.sin(2.0 * np.pi * f * time + phase)
+    ramp = np.clip(time / RAMP, 0.0, 1.0)
+    ramp = ramp**2 * (3.0 - 2.0 * ramp)
+    motion *= (ramp * ramp[::-1])[:, None]
+    motion[:, np.array(slides)] *= OF_SLIDE
+    for size in np.arange(1.0, SMALLEST - 0.05, -0.05):
+        if limits.contain(centre + size * motion).all():
+            return centre + size * motion
+    said = _nearest(centre, SMALLEST * motion, limits)
+    raise ValueError(f"{said} too near to a joint limit for a motion that excites gears")
 
 
 def _nearest(centre: Array, motion: Array, limits: Limits) -> str:
@@ -105,9 +91,7 @@ def posture(cell: Cell, pose: ToolPose) -> Array:
     return joint_reference(at, cell.robot, cell.limits, start=cell.home, free_rotation=free)[0]
 
 
-def recorded(
-    setup: Setup, seed: int, repetition: int = 0, excitation: Excitation = Excitation()
-) -> MotionRecording:
+def recorded(setup: Setup, seed: int, repetition: int = 0) -> MotionRecording:
     """One run of an individual; each repetition is another motion with other noise.
 
     Raises ValueError for a pose that cannot be reached or excited, a payload that is too heavy, or
@@ -115,30 +99,22 @@ def recorded(
     """
     cell = setup.cell
     centre = posture(cell, setup.tool_pose)
-    _check_turns(cell.robot, centre)
+    rotation = compile(cell.robot).jacobian(centre)[3:]
+    if np.linalg.matrix_rank(rotation, tol=_PARALLEL) < 2:  # the IMU's mounting cannot be found
+        said = f"the axes of {cell.robot.name} turn the tool about one direction alone"
+        raise ValueError(f"{said}: gears needs two, to find how the IMU is mounted")
     moving, tracking = (np.random.default_rng([seed, repetition, k]) for k in (_MOTION, _TRACKING))
-    reference = excitation.reference(centre, cell.limits, moving, cell.robot.slides)
+    reference = excitation(centre, cell.limits, moving, cell.robot.slides)
     made = prepare(setup, planned=lambda _: (None, reference), seed=seed, repetition=repetition)
     plant = replace(made.plant, tracker=set_up(REFLECTOR, tracking))
-    return _recording(plant.run(np.zeros_like(reference)), f"run {repetition + 1}")
-
-
-def _check_turns(robot: Robot, centre: Array) -> None:
-    """Raise ValueError where the gyro sees one direction: the IMU's mounting cannot be found."""
-    rotation = compile(robot).jacobian(centre)[3:]
-    if np.linalg.matrix_rank(rotation, tol=_PARALLEL) < 2:
-        said = f"the axes of {robot.name} turn the tool about one direction alone"
-        raise ValueError(f"{said}: gears needs two, to find how the IMU is mounted")
-
-
-def _recording(run: Pass, name: str) -> MotionRecording:
+    run = plant.run(np.zeros_like(reference))
     imu, seen = None, run.tracker.valid
     if run.imu is not None:
         values = np.hstack((run.imu.acceleration, run.imu.angular_velocity))
         known = np.isfinite(values).all(axis=1)
         imu = Stream(run.imu.time[known], values[known])
     return MotionRecording(
-        name=name,
+        name=f"run {repetition + 1}",
         encoders=Stream(run.recording.time, run.recording.motor_angle),
         imu=imu,
         tracker=Stream(run.tracker.time[seen], run.tracker.position[seen]),

@@ -4,7 +4,7 @@ Constants of the IMU are fitted on the first half of a recording, and what they 
 the second. Those that are compared between recordings are fitted on the whole.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -106,7 +106,10 @@ def process(arm: Arm, recording: MotionRecording, cutoff: float = 5.0) -> Record
         motion = encoder_motion(robot := compile(arm.robot), recording.encoders)
         check_motors(robot, motion, imu)
         whole = align_imu(motion, imu, level=False)
-        _check_first_part(whole.covered(motion, imu))
+        seen = whole.covered(motion, imu)
+        if (part := float(seen[: int(FITTED * len(seen))].mean())) < 0.5:
+            text = f"the IMU saw {100 * part:.0f} % of the first half of what the encoders saw"
+            raise ValueError(f"{text}: cut both to the same time")
         half = align_imu(motion, imu, FITTED, level=False)
         if recording.tracker is not None:
             tracker = align_tracker(motion, recording.tracker, FITTED)
@@ -121,13 +124,6 @@ def process(arm: Arm, recording: MotionRecording, cutoff: float = 5.0) -> Record
         comparison=comparison,
         measures=_measures(comparison, half.gravity),
     )
-
-
-def _check_first_part(seen: NDArray[np.bool_]) -> None:
-    """Raise ValueError if the IMU missed half of the part that its constants are fitted on."""
-    if (part := float(seen[: int(FITTED * len(seen))].mean())) < 0.5:
-        text = f"the IMU saw {100 * part:.0f} % of the first half of what the encoders saw"
-        raise ValueError(f"{text}: cut both to the same time")
 
 
 def _compared(
@@ -196,10 +192,16 @@ def repeatability(alignments: Sequence[ImuAlignment]) -> Repeatability:
     if len(alignments) < 2:
         raise ValueError(f"repeatability needs two recordings, got {len(alignments)}")
     pairs = list(combinations(alignments, 2))
+
+    def largest(values: Iterable[Array]) -> float:
+        return float(np.ptp(list(values), axis=0).max())
+
     return Repeatability(
-        gyro_scale=_spread([scale(one.M_gyro) for one in alignments]),
-        accelerometer_scale=_spread([scale(one.M_accelerometer) for one in alignments]),
-        mounting=max(_turned(a, b) for a, b in pairs),
+        gyro_scale=largest(scale(one.M_gyro) for one in alignments),
+        accelerometer_scale=largest(scale(one.M_accelerometer) for one in alignments),
+        mounting=max(
+            float(Rotation.from_matrix(a.R_imu_tool @ b.R_imu_tool.T).magnitude()) for a, b in pairs
+        ),
         lever=np.ptp([one.lever for one in alignments], axis=0),
         gravity=max(float(_angle(a.gravity[None], b.gravity)[0]) for a, b in pairs),
     )
@@ -213,12 +215,3 @@ def scale(M: Array) -> Array:
 def mounting(one: ImuAlignment) -> Array:
     """(3,) [rad], rotation vector of the axes of the tool in those of the housing."""
     return Rotation.from_matrix(one.R_imu_tool).as_rotvec()
-
-
-def _turned(one: ImuAlignment, other: ImuAlignment) -> float:
-    """Angle [rad] of the rotation between two mountings by the gyro."""
-    return float(Rotation.from_matrix(one.R_imu_tool @ other.R_imu_tool.T).magnitude())
-
-
-def _spread(values: Sequence[Array]) -> float:
-    return float(np.ptp(values, axis=0).max())

@@ -32,10 +32,8 @@ def mean_removed(vector: Array, rest: NDArray[np.bool_]) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Calibration:
-    """Constant errors of a mounted IMU: reading = R_site_imu^T @ ideal + bias.
-
-    R (3, 3); biases (3,) [m/s^2] and (3,) [rad/s].
-    """
+    """Constant errors of a mounted IMU: reading = R_site_imu^T @ ideal + bias; R (3, 3), biases
+    (3,) [m/s^2] and [rad/s]."""
 
     R_site_imu: Array
     accelerometer_bias: Array
@@ -49,27 +47,18 @@ class Calibration:
         )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Prior:
-    """Standard deviations of mounting error and biases before the fit, and of the readings. SI.
-
-    They weight the residual that a motion cannot separate into tilt and bias.
-    """
-
-    mounting: float = np.deg2rad(1.0)
-    accelerometer_bias: float = 0.02
-    gyroscope_bias: float = np.deg2rad(1.0)
-    acceleration: float = 0.1
-    """One reading about its prediction, as `angular_velocity`: vibration more than noise."""
-    angular_velocity: float = 0.02
+MOUNTING = np.deg2rad(1.0)
+ACCELEROMETER_BIAS = 0.02
+GYROSCOPE_BIAS = np.deg2rad(1.0)
+"""Standard deviations of mounting error and biases before the fit, SI. They weight the residual
+that a motion cannot separate into tilt and bias."""
+ACCELERATION = 0.1
+ANGULAR_VELOCITY = 0.02
+"""Of one reading about its prediction, SI: vibration more than noise."""
 
 
 def calibrate(
-    acceleration: Array,
-    angular_velocity: Array,
-    ideal_force: Array,
-    ideal_rate: Array,
-    prior: Prior | None = None,
+    acceleration: Array, angular_velocity: Array, ideal_force: Array, ideal_rate: Array
 ) -> Calibration:
     """Estimate mounting error and biases from readings and ideal readings (K, 3).
 
@@ -79,15 +68,14 @@ def calibrate(
 
         d(R^T f) = (R^T f) x delta
     """
-    prior = prior or Prior()
-    R, biases = np.eye(3), np.zeros(6)
-    scale = (prior.acceleration, prior.angular_velocity)
-    sigma = np.repeat([prior.mounting, prior.accelerometer_bias, prior.gyroscope_bias], 3)
+    R, biases, scale = np.eye(3), np.zeros(6), (ACCELERATION, ANGULAR_VELOCITY)
+    sigma = np.repeat([MOUNTING, ACCELEROMETER_BIAS, GYROSCOPE_BIAS], 3)
+    sensors = (acceleration, ideal_force), (angular_velocity, ideal_rate)
     for _ in range(4):
-        information, score = np.diag(sigma**-2), -np.concatenate([_vector(R), biases]) / sigma**2
-        for sensor, (reading, ideal) in enumerate(
-            ((acceleration, ideal_force), (angular_velocity, ideal_rate))
-        ):
+        # Rotation vector of a small rotation, to third order [rad].
+        vector = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+        information, score = np.diag(sigma**-2), -np.concatenate([vector, biases]) / sigma**2
+        for sensor, (reading, ideal) in enumerate(sensors):
             rotated = ideal @ R
             bias = slice(3 * sensor, 3 * sensor + 3)
             residual = (reading - rotated - biases[bias]) / scale[sensor]
@@ -106,8 +94,3 @@ def cross_matrices(v: Array) -> Array:
     x, y, z = v.T
     zero = np.zeros_like(x)
     return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(-1, 3, 3)
-
-
-def _vector(R: Array) -> Array:
-    """Rotation vector of a small rotation, to third order [rad]."""
-    return 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])

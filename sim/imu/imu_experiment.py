@@ -73,10 +73,8 @@ class ImuResult:
 
 
 def prepare(experiment: ImuExperiment) -> list[PlannedProgram]:
-    """Read, plan and load the motion programs.
-
-    Raises ValueError or OSError for a program that is wrong, unreachable or missing.
-    """
+    """Read, plan and load the motion programs. Raises ValueError or OSError for a program that is
+    wrong, unreachable or missing."""
     cell, model = experiment.cell, experiment.model()
     robot, planned = VirtualRobot(model), list[PlannedProgram]()
     for name, program in experiment.programs(model).items():
@@ -107,16 +105,14 @@ def reprocessed(result: ImuResult, processing: ProcessingCfg) -> ImuResult:
 
 def _evaluated(experiment: ImuExperiment, planned: PlannedProgram, run: ImuRun) -> ImuResult:
     mj = planned.loaded.model.mj
-    evaluation = evaluate(run, experiment.cell, experiment.processing, gravity=-mj.opt.gravity)
+    evaluation = evaluate(run, experiment.cell, experiment.processing, -mj.opt.gravity)
     measures = measure(run, evaluation, mj, since=planned.since)
     return ImuResult(experiment, planned, run, evaluation, measures)
 
 
 def sense(loaded: LoadedReference, cfg: ImuCfg, seed: int) -> ImuRun:
-    """Run a loaded reference once with an IMU on the tool.
-
-    seed: of the robot's noise and of the IMU individual, in separate streams.
-    """
+    """Run a loaded reference once with an IMU on the tool; seed: of the robot's noise and of the
+    IMU individual, in separate streams."""
     of_robot, of_imu = (np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(2))
     return _measured(loaded.run(rng=of_robot), cfg, of_imu)
 
@@ -130,18 +126,15 @@ def _measured(recording: Recording, cfg: ImuCfg, rng: np.random.Generator) -> Im
 def clock_errors(
     result: ImuResult, rngs: Sequence[np.random.Generator], *, apart: float = 0.4
 ) -> Array:
-    """Errors of the clock offset (n,) [s], estimated for other IMU individuals on the same run.
-
-    apart: largest offset of their clocks [s]; by default as far as a start by hand may be off.
-    """
+    """Errors of the clock offset (n,) [s] for other IMU individuals on the same run, whose clocks
+    are up to `apart` [s] off: as far as a start by hand may be."""
     recording, experiment = result.run.recording, result.experiment
     log, robot = (recording.time, recording.motor_angle), experiment.cell.with_imu
-    cfg = replace(experiment.imu, clock_offset=apart)
-    runs = (_measured(recording, cfg, rng) for rng in rngs)
-    errors = [
-        find_offset(run.samples, *log, robot, experiment.processing) - run.imu.clock_offset
-        for run in runs
-    ]
+    cfg, errors = replace(experiment.imu, clock_offset=apart), []
+    for rng in rngs:
+        run = _measured(recording, cfg, rng)
+        found = find_offset(run.samples, *log, robot, experiment.processing)
+        errors.append(found - run.imu.clock_offset)
     return np.array(errors)
 
 
@@ -168,30 +161,27 @@ def results(runs: Sequence[ImuResult]) -> dict[str, Any]:
 
 def notes(runs: Sequence[ImuResult]) -> list[Note]:
     """Notes of all programs, each once with the runs that it concerns."""
-    return together(note.at(k) for k, one in enumerate(runs) for note in _of_run(one))
-
-
-def _of_run(one: ImuResult) -> Iterator[Note]:
-    yield from slower_moves(one.planned.motion)
-    yield from saturation(one.run.recording)
-    samples = one.run.samples
-    for name, clipped in (
-        ("accelerometer", samples.acceleration_clipped),
-        ("gyro", samples.angular_velocity_clipped),
-    ):
-        if clipped.any():
-            fraction = 100.0 * float(clipped.any(axis=1).mean())
-            text = f"{fraction:.2g} % of the {name}'s samples are clipped at its range"
-            yield Note(cause=Cause.IMU, text=text)
+    found = []
+    for k, one in enumerate(runs):
+        samples = one.run.samples
+        own = [*slower_moves(one.planned.motion), *saturation(one.run.recording)]
+        for name, clipped in (
+            ("accelerometer", samples.acceleration_clipped),
+            ("gyro", samples.angular_velocity_clipped),
+        ):
+            if clipped.any():
+                fraction = 100.0 * float(clipped.any(axis=1).mean())
+                text = f"{fraction:.2g} % of the {name}'s samples are clipped at its range"
+                own.append(Note(cause=Cause.IMU, text=text))
+        found += [note.at(k) for note in own]
+    return together(found)
 
 
 def causes(
     experiment: ImuExperiment, seed: int, each: Callable[[ImuResult], None] = lambda run: None
 ) -> Iterator[tuple[str, Measures]]:
-    """Measures of the first program with each cause of the error changed, by its name.
-
-    each: called with each run, of which there are two: the others process one of them again.
-    """
+    """Measures of the first program with each cause of the error changed, by its name; `each` is
+    called with the two runs, which the others process again."""
     cfg = experiment.processing
     base = run_one(experiment, prepare(experiment)[0], seed)
     each(base)

@@ -2,10 +2,10 @@
 
 import json
 from collections.abc import Mapping, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any
 
-import mujoco
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -82,44 +82,31 @@ def write_imu_replay(path: Path, results: Sequence[ImuResult]) -> None:
     """Write the runs one after the other on the timeline `time`, whole or not at all."""
     mj = results[0].planned.loaded.model.mj
     with recording(path, _blueprint()) as stream:
-        _send_static(stream, mj)
+        stream.log("/", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+        for entity, shape in shapes(mj):
+            stream.log(entity, shape, static=True)
+        for kind, axis, (name, colour) in product(dict(PANELS), XYZ, COLOURS.items()):
+            lines = rr.SeriesLines(names=f"{name} {axis}", colors=colour)
+            stream.log(f"{kind}_{axis}/{name}", lines, static=True)
+        stream.log("acceleration_error_rms", rr.SeriesLines(names=list(XYZ)), static=True)
         start = 0.0
         for k, result in enumerate(results):
             log = result.run.recording
             send_bodies(stream, mj, RecordedRun(k=k, recording=log), start)
-            _send_path(stream, result.evaluation, start)
-            _send_series(stream, result.evaluation, start)
+            _send_evaluation(stream, result.evaluation, start)
             start += float(log.time[-1]) + FRAME_PERIOD
 
 
-def _send_static(stream: rr.RecordingStream, mj: mujoco.MjModel) -> None:
-    stream.log("/", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-    for entity, shape in shapes(mj):
-        stream.log(entity, shape, static=True)
-    for kind, _ in PANELS:
-        for axis in XYZ:
-            for name, colour in COLOURS.items():
-                lines = rr.SeriesLines(names=f"{name} {axis}", colors=colour)
-                stream.log(f"{kind}_{axis}/{name}", lines, static=True)
-    stream.log("acceleration_error_rms", rr.SeriesLines(names=list(XYZ)), static=True)
-
-
-def _send_path(stream: rr.RecordingStream, evaluation: Evaluation, start: float) -> None:
-    """Path of the tool over the whole run, shown from its start."""
-    columns = rr.LineStrips3D.columns(strips=[evaluation.tool[::5]], colors=[GREY])
-    index = rr.TimeColumn("time", duration=np.array([start]))
-    stream.send_columns("robot/path", [index], columns)
-
-
-def _send_series(stream: rr.RecordingStream, evaluation: Evaluation, start: float) -> None:
+def _send_evaluation(stream: rr.RecordingStream, evaluation: Evaluation, start: float) -> None:
+    """Path of the tool over the whole run, shown from its start, and the series."""
+    path = rr.LineStrips3D.columns(strips=[evaluation.tool[::5]], colors=[GREY])
+    stream.send_columns("robot/path", [rr.TimeColumn("time", duration=np.array([start]))], path)
     comparison = evaluation.comparison
     index = rr.TimeColumn("time", duration=start + comparison.time)
-    for kind, _ in PANELS:
-        for name in COLOURS:
-            values: Array = getattr(comparison, f"{kind}_{name}")
-            for i, axis in enumerate(XYZ):
-                columns = rr.Scalars.columns(scalars=values[:, i])
-                stream.send_columns(f"{kind}_{axis}/{name}", [index], columns)
+    for kind, name, (i, axis) in product(dict(PANELS), COLOURS, enumerate(XYZ)):
+        values: Array = getattr(comparison, f"{kind}_{name}")
+        columns = rr.Scalars.columns(scalars=values[:, i])
+        stream.send_columns(f"{kind}_{axis}/{name}", [index], columns)
     n, width = evaluation.window_rms.shape
     columns = rr.Scalars.columns(scalars=evaluation.window_rms.ravel())
     stream.send_columns("acceleration_error_rms", [index], columns.partition(np.full(n, width)))

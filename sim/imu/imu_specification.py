@@ -76,13 +76,8 @@ class ImuExperiment(RobotSetup):
             raise ValueError(f"cutoff must be below {nyquist:g} Hz, got {cutoff:g}")
 
     def programs(self, model: RobotModel) -> dict[str, Program]:
-        """Motion programs by name: of files, or about home for a robot that has none.
-
-        model: of the robot.
-
-        Raises ValueError where the robot has programs, but none of the motion, and ProgramError or
-        OSError for a wrong file.
-        """
+        """Motion programs by name: of files, or about home for a robot that has none. Raises
+        ValueError where it has some, but none of the motion; ProgramError or OSError for a file."""
         cell, home = self.cell, self.home
         files = cell.programs.get(self.motion, ())
         if self.program is not None:

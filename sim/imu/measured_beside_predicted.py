@@ -67,7 +67,8 @@ def clock_offset(
         return values if derivative == 0 else values * inside[:, np.newaxis]
 
     grid = np.arange(-search, search + COARSE / 2, COARSE)
-    cost = [np.sum(_centred(gyro - at(tau)) ** 2) for tau in grid]
+    apart = (gyro - at(tau) for tau in grid)
+    cost = [np.sum((each - each.mean(axis=0)) ** 2) for each in apart]
     best = int(np.argmin(cost))
     if best in (0, len(grid) - 1):
         raise ValueError(f"no clock offset within +-{search:g} s fits; search further")
@@ -86,13 +87,10 @@ def _refined(tau: float, gyro: Array, at: Callable[..., Array]) -> float:
         J = np.concatenate([slope[:, :, np.newaxis], cross_matrices(omega)], axis=2)
         J = J - J.mean(axis=0)
         information = np.einsum("kia,kib->ab", J, J) + prior
-        score = np.einsum("kia,ki->a", J, _centred(gyro - omega))
+        apart = gyro - omega
+        score = np.einsum("kia,ki->a", J, apart - apart.mean(axis=0))
         tau += float(np.linalg.solve(information, score)[0])
     return tau
-
-
-def _centred(x: Array) -> Array:
-    return x - x.mean(axis=0)
 
 
 SYNC_CUTOFF = 40.0

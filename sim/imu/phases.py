@@ -18,7 +18,6 @@ from ..motion.instructions import Program, Wait
 from ..motion.planner import ProgramMotion
 from ..robot.linkage import checked_loop_error
 from ..robot.recording import Recording
-from .compensation import GRAVITY
 from .measured_beside_predicted import ImuComparison, compare, moving_rms
 from .predicted_motion import ProcessingCfg
 
@@ -31,10 +30,8 @@ SLOW_CIRCLE, FAST_CIRCLE, RECTANGLE = 0.5, 1.0, 5.0
 
 
 def synchronised_at(program: Program, motion: ProgramMotion) -> float:
-    """End of the first long wait after a move [s]: what comes before synchronises the clocks.
-
-    0 for a program without one: all of it is the experiment.
-    """
+    """End of the first long wait after a move [s], before which clocks are synchronised; 0 without
+    one."""
     moved = False
     for index, instruction in enumerate(program.instructions):
         if not isinstance(instruction, Wait):
@@ -63,17 +60,12 @@ def idle_peaks(recording: Recording) -> Array:
     period = float(recording.time[1] - recording.time[0])
     moving = np.abs(np.gradient(recording.reference, period, axis=0)) > MOVING
     peaks = np.full(recording.reference.shape[1], np.nan)
-    for start, stop in _stretches(np.any(moving, axis=1)):
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], moving.any(axis=1), [False]))))
+    for start, stop in edges.reshape(-1, 2).tolist():  # of each stretch in which any moves
         for axis in np.flatnonzero(~moving[start:stop].any(axis=0)):
             angle = recording.motor_angle[start:stop, axis]
             peaks[axis] = np.fmax(peaks[axis], np.abs(angle - angle[0]).max())
     return peaks
-
-
-def _stretches(flag: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """(first, one past last) of each run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], flag, [False]))))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 
 
 WINDOW = 0.5
@@ -103,13 +95,8 @@ class Evaluation:
     """(N, 3) [m], true TCP0."""
 
 
-def evaluate(
-    run: ImuRun, cell: Cell, cfg: ProcessingCfg | None = None, *, gravity: Array = GRAVITY
-) -> Evaluation:
-    """Compare measured with predicted motion, of the IMU and of the tool.
-
-    gravity: (3,) [m/s^2], specific force at rest in base axes.
-    """
+def evaluate(run: ImuRun, cell: Cell, cfg: ProcessingCfg, gravity: Array) -> Evaluation:
+    """Compare measured with predicted motion, of the IMU and of the tool; gravity as `compare`."""
     recording = run.recording
     logged = recording.time, recording.motor_angle
     comparison = compare(run.samples, *logged, cell.with_imu, cfg, gravity=gravity)
@@ -150,10 +137,8 @@ class Measures:
 def measure(
     run: ImuRun, evaluation: Evaluation, mj: mujoco.MjModel, *, since: float = 0.0
 ) -> Measures:
-    """Error measures of one run from the instant `since` [s] on.
-
-    Raises RuntimeError for a closed chain that did not stay closed.
-    """
+    """Error measures of one run from the instant `since` [s] on. Raises RuntimeError for a closed
+    chain that did not stay closed."""
     comparison = evaluation.comparison
     late = comparison.time >= since
     omega, a = comparison.angular_velocity_error[late], comparison.acceleration_error[late]

@@ -21,10 +21,8 @@ class Scheme(Enum):
 
 
 def difference_quotients(phi: Array, h: float, scheme: Scheme) -> tuple[Array, Array]:
-    """First and second derivative of samples (N, n) every h [s]. Thesis (5.6).
-
-    The record is extended by its first and last sample, as if at rest beyond its ends.
-    """
+    """First and second derivative of samples (N, n) every h [s], as if at rest beyond the ends.
+    Thesis (5.6)."""
     if len(phi) < 3:
         raise ValueError(f"difference quotients need at least 3 samples, got {len(phi)}")
     padded = np.concatenate([phi[:1], phi, phi[-1:]])
@@ -36,10 +34,8 @@ def difference_quotients(phi: Array, h: float, scheme: Scheme) -> tuple[Array, A
 
 
 def resample(time: Array, values: Array, at: Array) -> Array:
-    """Samples (N, n) at other instants by a cubic spline; at rest beyond the ends.
-
-    It needs no low-pass before it: the zero-phase filter that follows is far below both rates.
-    """
+    """Samples (N, n) at other instants by a cubic spline, at rest beyond the ends: the low-pass
+    that follows is far below both rates."""
     from scipy.interpolate import CubicSpline
 
     spline = CubicSpline(time, values, bc_type="clamped")
@@ -57,10 +53,8 @@ class Order(Enum):
 
 @dataclass(frozen=True, kw_only=True)
 class PredictedMotion:
-    """Predicted motion of the IMU in base axes, SI; accelerations without gravity.
-
-    R (K, 3, 3), the others (K, 3).
-    """
+    """Predicted motion of the IMU in base axes, SI, accelerations without gravity: R (K, 3, 3),
+    others (K, 3)."""
 
     R_base_imu: Array
     angular_velocity: Array
@@ -76,11 +70,8 @@ def predict(
     order: Order = Order.FILTER_THEN_MAP,
     scheme: Scheme = Scheme.FORWARD,
 ) -> PredictedMotion:
-    """Predict the motion of the last frame of `robot`, e.g. `IRB1400_IMU`.
-
-    Args:
-        phi: (K, n) [rad], motor angles on the arm side, every `period` [s].
-    """
+    """Motion of the last frame of `robot`, e.g. `IRB1400_IMU`, by motor angles phi (K, n) [rad],
+    arm side, every `period` [s]."""
     compiled = kinematics.compile(robot)
     phi = np.ascontiguousarray(phi)
     rate, acceleration = difference_quotients(phi, period, scheme)

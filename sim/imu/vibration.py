@@ -15,15 +15,14 @@ from .phases import ImuRun, largest_gap
 
 SETTLING_TIME = 0.5  # Left out after the motors are switched on [s]
 SEGMENT = 2.0  # Segment of a power spectrum [s]: a resolution of 0.5 Hz
+SLOWEST = 5.0  # Line of a spectrum [Hz]
 QUANTILE = 0.997  # The level that a normal signal exceeds as rarely as three standard deviations
 
 
 @dataclass(frozen=True)
 class Rest:
-    """Vibration at rest, motors off and on; vectors are x, y, z of the IMU [m/s^2].
-
-    RMS about the mean; spectra (F, 3) [(m/s^2)^2/Hz] over frequency (F,) [Hz].
-    """
+    """Vibration at rest, motors off and on; x, y, z of the IMU [m/s^2]: RMS about the mean, spectra
+    (F, 3) [(m/s^2)^2/Hz] over frequency (F,) [Hz]."""
 
     off_rms: Array
     on_rms: Array
@@ -65,10 +64,8 @@ def run_rest(experiment: RestExperiment, seed: int = 0) -> RestResult:
 
 
 def at_rest(samples: ImuSamples, motors_on_at: float, rate: float) -> Rest:
-    """Vibration before and after the motors were switched on.
-
-    motors_on_at: [s], by the IMU's clock. rate: of the samples [Hz].
-    """
+    """Vibration before and after the motors were switched on, [s] by the IMU's clock; rate: of the
+    samples [Hz]."""
     off = samples.acceleration[samples.time < motors_on_at]
     on = samples.acceleration[samples.time >= motors_on_at + SETTLING_TIME]
     (frequency, off_spectrum), (_, on_spectrum) = (power_spectrum(a, rate) for a in (off, on))
@@ -77,29 +74,18 @@ def at_rest(samples: ImuSamples, motors_on_at: float, rate: float) -> Rest:
 
 
 def power_spectrum(signal: Array, rate: float) -> tuple[Array, Array]:
-    """One-sided power spectral density by Welch's method: Hann windows that overlap by half.
-
-    Args:
-        signal: (K, n), sampled at `rate` [Hz], at least one segment long.
-
-    Returns:
-        Frequency (F,) [Hz] and density (F, n) [unit^2/Hz].
-    """
+    """Frequency (F,) [Hz] and one-sided power spectral density (F, n) [unit^2/Hz] of a signal
+    (K, n) at a rate [Hz], by Welch's method: Hann windows that overlap by half."""
     from scipy.signal import welch
 
     n = round(SEGMENT * rate)
-    if len(signal) < n:
-        raise ValueError(f"a spectrum needs {SEGMENT:g} s of samples, got {len(signal) / rate:g} s")
     frequency, density = welch(signal, rate, nperseg=n, noverlap=n - n // 2, axis=0)
     return np.asarray(frequency), np.asarray(density)
 
 
-def lines(frequency: Array, density: Array, *, above: float = 5.0) -> list[tuple[float, float]]:
-    """Local maxima of a density (F,) above a frequency [Hz], highest first.
-
-    Each is its frequency [Hz] and its height relative to the highest.
-    """
+def lines(frequency: Array, density: Array) -> list[tuple[float, float]]:
+    """Local maxima of a density (F,) above `SLOWEST`: frequency [Hz], height over the highest."""
     inner = np.flatnonzero((density[1:-1] > density[:-2]) & (density[1:-1] > density[2:])) + 1
-    inner = inner[frequency[inner] > above]
+    inner = inner[frequency[inner] > SLOWEST]
     order = inner[np.argsort(-density[inner])]
     return [(float(frequency[i]), float(density[i] / density[order[0]])) for i in order]

@@ -173,13 +173,9 @@ class Imu:
     def measure(
         self, time: Array, acceleration: Array, angular_velocity: Array, rng: np.random.Generator
     ) -> ImuSamples:
-        """Readings of a record, interpolated linearly at the unit's instants after the low-pass.
-
-        Args:
-            time: (M,) [s], uniform, robot time; fine enough for the bandwidths.
-            acceleration, angular_velocity: (M, 3) [m/s^2] and [rad/s], ideal specific force and
-                rate in the frame of the site.
-        """
+        """Readings of a record of ideal specific force and rate (M, 3) in the frame of the site,
+        interpolated linearly at the unit's instants after the low-pass. time: (M,) [s], uniform,
+        robot time."""
         step = 1.0 / rate_of(time)
         own_time, robot_time = self._instants(time)
         readings = []

@@ -102,10 +102,8 @@ class Registration:
 
 
 def best_fit(p_tracker: ArrayLike, p_base: ArrayLike) -> Registration:
-    """Rigid motion that fits points (M, 3) to their targets, least squares (Kabsch).
-
-    Raises ValueError for fewer than three points, or all on one line.
-    """
+    """Rigid motion that fits points (M, 3) to their targets, least squares (Kabsch). Raises
+    ValueError for fewer than three points, or all on one line."""
     a, b = np.asarray(p_tracker, dtype=np.float64), np.asarray(p_base, dtype=np.float64)
     if a.shape != b.shape or a.ndim != 2 or a.shape[1] != 3:
         raise ValueError(f"points must both have shape (M, 3), got {a.shape} and {b.shape}")
@@ -152,29 +150,19 @@ class LaserTracker:
         tool_position: Array,
         tool_quaternion: Array,
         rng: np.random.Generator,
-        *,
-        target_axis: ArrayLike | None = None,
     ) -> TrackerSamples:
         """Samples of a tool, (M, 3) [m] and (M, 4), base axes, during a run.
 
-        Args:
-            time: (M,) [s], uniform, at a rate that is a multiple of the tracker's.
-            target_axis: (3,), direction of the reflector in tool axes; None points it at the
-                tracker at the first sample. Zero raises ValueError.
-
-        The offset of the reflector is subtracted with the orientation of the first sample, which is
-        the programmed one: the tracker does not measure the tilt of the tool.
+        time: (M,) [s], uniform, at a rate that is a multiple of the tracker's. The reflector points
+        at the tracker at the first sample. Its offset is subtracted with the orientation of that
+        sample, which is the programmed one: the tracker does not measure the tilt of the tool.
         """
         every = stride(rate_of(time), self.cfg.rate)
         time, tool_position = time[::every].copy(), tool_position[::every]
         q = tool_quaternion[::every]
         reflector = tool_position + _rotated(q, np.array(self.cfg.target_offset, dtype=np.float64))
         beam = np.array(self.cfg.position) - reflector
-        if target_axis is None:
-            axis = _rotated(q[0] * [1.0, -1.0, -1.0, -1.0], beam[0])
-        elif not np.any(axis := np.array(target_axis, dtype=np.float64)):
-            raise ValueError("target_axis must not be zero")
-        sight = _rotated(q, axis)
+        sight = _rotated(q, _rotated(q[0] * [1.0, -1.0, -1.0, -1.0], beam[0]))
         size = np.linalg.norm(sight, axis=1) * np.linalg.norm(beam, axis=1)
         cosine, least = (sight * beam).sum(axis=1) / size, np.cos(self.cfg.acceptance_angle) - 1e-12
         # Once the reflector has left the cone the beam stays lost: an interferometer counts.

@@ -15,10 +15,8 @@ def white(rng: np.random.Generator, shape: tuple[int, ...], std: ArrayLike) -> A
 def from_density(
     rng: np.random.Generator, shape: tuple[int, ...], density: ArrayLike, rate: float
 ) -> Array:
-    """White noise sampled at `rate` [Hz], of one-sided `density` [units/sqrt(Hz)].
-
-    All power lies below the Nyquist frequency: std = density sqrt(rate / 2).
-    """
+    """White noise sampled at `rate` [Hz], of one-sided `density` [units/sqrt(Hz)]: all of its power
+    lies below the Nyquist frequency."""
     return white(rng, shape, np.asarray(density) * np.sqrt(rate / 2.0))
 
 

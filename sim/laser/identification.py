@@ -7,7 +7,6 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..estimation.arm_filter import ProcessNoise
 from ..estimation.elasticity import names, nominal_elasticity, springs_entry
 from ..estimation.estimator import ToolEstimator
 from ..estimation.identification import identify
@@ -44,7 +43,7 @@ def identified(experiment: Experiment, arm: NominalArm) -> dict[str, Any]:
     motion, samples = rigid_motion(arm, log.time, log.motor_angle), repaired(made.imu, imu)
     nominal = nominal_elasticity(experiment.nominal, arm)
     found = identify(motion, nominal, samples, imu)
-    known = ToolEstimator(arm, found.parameters, imu, ProcessNoise(), motion)
+    known = ToolEstimator(arm, found.parameters, imu, motion)
     estimate = known(log.time, log.motor_angle, samples)
 
     true_arm = arm_of(experiment)

@@ -81,10 +81,7 @@ class Motors(Enum):
 
 
 def design_of(action: ArrayLike, motors: Motors, n_axes: int = SIX) -> Design:
-    """The design that an action stands for.
-
-    Raises ValueError for a wrong shape, NaN or values outside of [-1, 1]; names the first bad one.
-    """
+    """The design that an action stands for. Raises ValueError as `_checked`."""
     count = motors.count(n_axes)
     values = _checked(action, len(VARIABLES) * count, lambda i: VARIABLES[i // count].name)
     gamma, delta, cutoff = (
@@ -95,18 +92,15 @@ def design_of(action: ArrayLike, motors: Motors, n_axes: int = SIX) -> Design:
 
 
 def action_of(design: Design, motors: Motors, n_axes: int = SIX) -> np.ndarray:
-    """The float32 action that stands for a design, to the rounding of float32.
-
-    Raises ValueError for a design outside of the ranges, or of another number of motors.
-    """
+    """The float32 action that stands for a design. Raises ValueError for a design outside of the
+    ranges, or of another number of motors."""
     parts, count = [], motors.count(n_axes)
     for variable in VARIABLES:
         value = np.array(getattr(design, variable.name), dtype=np.float64)
-        if len(value) > 1 and motors is Motors.SHARED:
-            several = f"{variable.name} has {len(value)} values"
-            raise ValueError(f"{several}, but all motors share one design")
         if len(value) not in (1, count):
-            raise ValueError(f"{variable.name} has {len(value)} values, the robot {count} motors")
+            shared = motors is Motors.SHARED
+            known = "but all motors share one design" if shared else f"the robot {count} motors"
+            raise ValueError(f"{variable.name} has {len(value)} values, {known}")
         parts.append(variable.normalised(np.broadcast_to(value, count)))
     return np.concatenate(parts).astype(np.float32)
 
@@ -118,19 +112,15 @@ LARGEST_COUNT = 60
 """Functions of one axis, at most."""
 
 
-class BasisKind(Enum):
-    """Kind of the functions, all of them zero at both ends of the record."""
-
-    B_SPLINES = "b-splines"
-    """Cubic, with evenly spaced knots; the two that are not zero at an end are left out."""
-    HARMONICS = "harmonics"
-    """sin(j pi t / T), j = 1, 2, ..., over the record of length T."""
+BASES = ("b-splines", "harmonics")
+"""Functions that are zero at both ends of a record: cubic B-splines with evenly spaced knots, less
+the two that are not; or sin(j pi t / T), j = 1, 2, ..., over its length T."""
 
 
 @lru_cache(maxsize=64)
-def _functions(kind: BasisKind, count: int, n_samples: int) -> tuple[Array, Array]:
+def _functions(kind: str, count: int, n_samples: int) -> tuple[Array, Array]:
     """Functions (N, m), and the matrix (m, N) that fits a signal with them."""
-    if kind is BasisKind.B_SPLINES:
+    if kind == "b-splines":
         functions = b_splines(n_samples, count + 2)[:, 1:-1]
     else:
         place = np.linspace(0.0, np.pi, n_samples)
@@ -141,35 +131,23 @@ def _functions(kind: BasisKind, count: int, n_samples: int) -> tuple[Array, Arra
 
 @dataclass(frozen=True)
 class CorrectionBasis:
-    """Functions of every axis. Raises ValueError for an unknown kind or a count out of range."""
+    """Functions of every axis: a kind of `BASES`, and how many."""
 
-    kind: str = "b-splines"
-    count: int = 12
-
-    def __post_init__(self) -> None:
-        kinds = [kind.value for kind in BasisKind]
-        if self.kind not in kinds:
-            raise ValueError(f"Unknown basis {self.kind!r}. It can be: {', '.join(kinds)}")
-        if not 2 <= self.count <= LARGEST_COUNT:
-            raise ValueError(f"functions must be 2 to {LARGEST_COUNT}, got {self.count}")
-
-    def functions(self, n_samples: int) -> Array:
-        """(N, m), zero in the first and the last sample."""
-        return _functions(BasisKind(self.kind), self.count, n_samples)[0]
+    kind: str
+    count: int
 
     def fit(self, signal: Array, size: Array) -> Array:
         """(n, m), least-squares coefficients of a signal (N, n) in units of size (n,)."""
-        inverse = _functions(BasisKind(self.kind), self.count, len(signal))[1]
+        inverse = _functions(self.kind, self.count, len(signal))[1]
         return (inverse @ signal).T / np.where(size > 0.0, size, 1.0)[:, np.newaxis]
 
     def decoded(self, action: ArrayLike, n_axes: int) -> "Coefficients":
-        """Coefficients of an action (n m,), axis by axis. Raises ValueError for any other."""
-
-        def name(i: int) -> str:
-            return f"function {i % self.count + 1} of axis {i // self.count + 1}"
-
-        values = _checked(action, n_axes * self.count, name)
-        return Coefficients(self, values.reshape(n_axes, self.count))
+        """Coefficients of an action (n m,), axis by axis. Raises ValueError as `_checked`."""
+        m = self.count
+        values = _checked(
+            action, n_axes * m, lambda i: f"function {i % m + 1} of axis {i // m + 1}"
+        )
+        return Coefficients(self, values.reshape(n_axes, m))
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,7 +160,8 @@ class Coefficients:
 
     def correction(self, n_samples: int, size: Array) -> Array:
         """(N, n) [rad], arm side, in units of size (n,) [rad]."""
-        return self.basis.functions(n_samples) @ (self.values * size[:, np.newaxis]).T
+        functions = _functions(self.basis.kind, self.basis.count, n_samples)[0]
+        return functions @ (self.values * size[:, np.newaxis]).T
 
     def arrays(self, n_axes: int) -> dict[str, np.ndarray]:
         """The coefficients under their name, for `info`."""

@@ -6,7 +6,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from .picture import Picture
+from .picture import PICTURES
 from .rules import Rules, Step, show_compilation
 from .situation import Situation
 
@@ -80,7 +80,10 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"Unknown render_mode {render_mode!r}. It can be: rgb_array")
         self.render_mode = render_mode
-        self.picture = Picture(picture)
+        if picture not in PICTURES:
+            known = ", ".join(PICTURES)
+            raise ValueError(f"Unknown picture {picture!r}. It can be: {known}")
+        self.picture = picture
         self.action_space = self.rules.action_space
         self.observation_space = self.rules.observation_space
         self._history: list[Situation] = []
@@ -148,4 +151,4 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             return None
         if not self._history:
             raise RuntimeError("there is nothing to draw yet: call reset first")
-        return self.picture.draw(self._history, self.rules)
+        return PICTURES[self.picture](self._history, self.rules)

@@ -73,10 +73,7 @@ def _uniform(rng: np.random.Generator, low: float, high: float, logarithmic: boo
 
 
 def shapes_of(shape: Any, radius: Any) -> Shapes:
-    """Shapes of one name or several, and a radius [m] or a range of it.
-
-    Raises ValueError for an unknown shape, or a radius out of range.
-    """
+    """Shapes of one name or several, and a radius [m] or a range of it. Raises ValueError."""
     several = isinstance(shape, Sequence) and not isinstance(shape, str)
     names = tuple(check_shape(name) for name in (shape if several else (shape,)))
     if not names or len(set(names)) < len(names):
@@ -119,16 +116,14 @@ IMMOVABLE = 1e-6
 
 
 def candidates(cell: Cell, near: ToolPose, drawn: ToolPose) -> Iterator[ToolPose]:
-    """The drawn pose, moved ever closer to the named one, which comes last.
-
-    Where the tool's orientation is free, offsets keep to the directions in which the tool moves: an
-    arm in a plane stays in it.
-    """
-    offset = np.array(drawn.position) - np.array(near.position)
+    """The drawn pose, moved ever closer to the named one, which comes last. Where orientation is
+    free, an arm in a plane stays in it."""
+    base = np.array(near.position)
+    offset = np.array(drawn.position) - base
     if cell.free_rotation:
         offset = movable(cell, near) @ offset
     for fraction in FRACTIONS:
-        x, y, z = (np.array(near.position) + fraction * offset).tolist()
+        x, y, z = (base + fraction * offset).tolist()
         yield replace(near, position=(x, y, z))
 
 
@@ -200,17 +195,8 @@ def draw(
     shapes: Shapes = Shapes(),
     ranges: Ranges = RANGES[0],
 ) -> Task:
-    """Draw a task; what `options` gives is taken instead.
-
-    The draws do not depend on the options: fixing the speed leaves the pose of a seed.
-
-    robot: name of a cell, or a cell.
-    options: any of `pose` (a name or a ToolPose), `speed` in [0.001, 0.1] m/s, `payload` (mass of
-    the tool, [kg]), `individual` (a seed, a `Drawn` or an `Individual`), `shape` and `radius`
-    (0.001 to 0.1 m).
-
-    Raises ValueError for an option that does not exist or is out of range.
-    """
+    """Draw a task for a cell, or that of a name; what `options` gives is taken instead, and leaves
+    the other draws of a seed. Raises ValueError for options as `IlcTuningEnv.reset`."""
     if not isinstance(options, Mapping | None):
         raise ValueError(f"options of reset must be a dict, got {options!r}")
     options = dict(options or {})
@@ -255,23 +241,17 @@ def _option(cell: Cell, name: str, value: Any) -> Any:
         return check_radius(value)
     if name == "individual":
         return value if isinstance(value, Drawn | Individual) else whole("individual", value, 0)
-    if name == "payload" and value is None:
-        return None
     if name == "payload":
-        return _number(name, value, 0.0, np.finfo(float).max, ">= 0 kg")
+        largest = np.finfo(float).max
+        return None if value is None else _number(name, value, 0.0, largest, ">= 0 kg")
     return _number(name, value, SLOWEST, FASTEST, f"from {SLOWEST:g} to {FASTEST:g} m/s")
 
 
 def experiment(
     robot: str | Cell, nominal: RobotModel, task: Task, imu: ImuCfg | None = None
 ) -> Experiment:
-    """The experiment of a task: a contour, cut by one individual.
-
-    nominal: the robot's model. imu: the kind of unit at the tool.
-
-    Raises ValueError as `armside.sim.laser.prepare`: joint limits, reach, load, parameters of the
-    individual that the robot lacks.
-    """
+    """A task's contour, cut by one individual, with that IMU at the tool. Raises ValueError as
+    `prepare`: joint limits, reach, load, parameters that the robot lacks."""
     individual = task.individual
     if isinstance(individual, int):
         # A stream apart from those that `prepare` spawns.
@@ -286,9 +266,7 @@ def within_reach(
     robot: str | Cell, nominal: RobotModel, task: Task, imu: ImuCfg | None = None
 ) -> tuple[Task, Experiment]:
     """A task and its experiment, moved less far from its named pose where that is out of reach.
-
-    Raises as `experiment`, for the named pose itself where no place near it will do.
-    """
+    Raises as `experiment`, for the named pose itself."""
     if task.near is None:
         return task, experiment(robot, nominal, task, imu)
     cell = robot if isinstance(robot, Cell) else CELLS[robot]
@@ -302,10 +280,7 @@ def within_reach(
 
 
 def whole(name: str, value: Any, low: int, high: int | None = None) -> int:
-    """A whole number from `low` to `high`, of Python or NumPy.
-
-    Raises ValueError for anything else, True and False among it.
-    """
+    """A whole number from `low` to `high`, of Python or NumPy; True and False are none."""
     try:
         number = None if isinstance(value, bool | np.bool_) else operator.index(value)
     except TypeError:

@@ -15,7 +15,6 @@ from armside.arrays import Array
 from ..instruments.imu import ImuCfg
 from ..laser.design import Design
 from ..laser.experiment import Experiment
-from ..motion.tool_motion import motion_notes
 from ..notes import Note, counted
 from ..robot.run import cores
 from .episode_task import Task
@@ -33,10 +32,8 @@ POLL = 0.1
 
 
 class Ratio(NamedTuple):
-    """RMS of the tool after learning over that before, geometric mean of all episodes.
-
-    By the configured sensor and by ground truth. Both are WORST once an episode diverged.
-    """
+    """RMS of the tool after learning over that before, geometric mean of all episodes, by the
+    sensor and by ground truth; WORST once one diverged."""
 
     measured: float
     true: float
@@ -56,12 +53,9 @@ class Episode(NamedTuple):
 def prepare(
     rules: Rules, seeds: Iterable[int], fixed: dict[str, Any], imu: ImuCfg | None = None
 ) -> list[Episode]:
-    """The episodes of those seeds.
+    """The episodes of those seeds. Raises ValueError where a job cannot be done or one is sealed.
 
-    imu: unit at the tool, beside that of the reward's sensor.
-    fixed: what is not drawn, as the options of `armside.sim.tuning.episode_task.draw`.
-
-    Raises ValueError where a job cannot be done or a seed is sealed.
+    fixed: what is not drawn, as the options of `draw`. imu: unit at the tool, beside the reward's.
     """
     episodes = []
     for seed in seeds:
@@ -106,11 +100,7 @@ class Objective:
     @property
     def notes(self) -> list[Note]:
         """Notes of the episodes before learning: of their motions, and of their first runs."""
-        each = (
-            (*motion_notes(s.experiment.motion, s.experiment.cut.limits), *s.notes)
-            for s in self._first
-        )
-        return counted(each, _EPISODES)
+        return counted((s.all_notes for s in self._first), _EPISODES)
 
     def ratios(self, design: Design) -> Iterator[Ratio]:
         """The ratio after each iteration; WORST, and the last, once any episode diverged."""
@@ -118,7 +108,7 @@ class Objective:
         for k in range(1, self.rules.iterations + 1):
             situations = self._run(lambda s: self.rules.advance(s, design), situations)
             if k == self.rules.iterations and not any(s.diverged for s in situations):
-                held = self._run(lambda s: self._held(s, design), situations)
+                held = self._run(lambda s: self.rules.held(s, design), situations)
                 situations = [max(two, key=badness) for two in zip(situations, held, strict=True)]
             yield self._ratio(situations)
             if any(s.diverged for s in situations):
@@ -136,9 +126,6 @@ class Objective:
     def foreseen(self, design: Design) -> Ratio:
         """The last of `ratios` with two runs of each episode in place of one for each update."""
         return self._ratio(self._each(lambda s: foreseen(self.rules, s, design), self._first))
-
-    def _held(self, situation: Situation, design: Design) -> Situation:
-        return self.rules.held(situation, self.rules.predicted(situation, design)[0])
 
     def _run(self, run: Callable[[Situation], Situation], at: list[Situation]) -> list[Situation]:
         self.runs += len(at)
@@ -172,8 +159,8 @@ class Objective:
 def foreseen(rules: Rules, first: Situation, design: Design) -> Situation:
     """The worse of the runs at the end of the budget and at HORIZON, with the corrections that the
     model of the motors predicts from the first run."""
-    ends = (rules.predicted(first, design, until)[0] for until in (rules.iterations, HORIZON))
-    return max((rules.held(first, correction) for correction in ends), key=badness)
+    ends = (rules.iterations, HORIZON)
+    return max((rules.held(first, design, until) for until in ends), key=badness)
 
 
 def badness(situation: Any) -> float:

@@ -124,11 +124,8 @@ class Layout:
 
 
 def band_rms(signal: Array, period: float, bands: tuple[tuple[float, float], ...]) -> Array:
-    """(len(bands), n): the part of each column's RMS that lies in each band [low, high) Hz.
-
-    signal: (N, n), one row each `period` [s]. The Nyquist frequency counts to a band that ends
-    there.
-    """
+    """(len(bands), n): part of the RMS of each column of a signal (N, n), every `period` [s], in
+    each band [low, high) Hz; the Nyquist frequency counts to one that ends there."""
     n = len(signal)
     power = np.abs(np.fft.rfft(signal, axis=0) / n) ** 2
     power[1 : (n + 1) // 2] *= 2.0  # both halves of the spectrum, mean and Nyquist but once

@@ -1,4 +1,4 @@
-"""What the controller's model of the motors predicts of a design: criterion, and later updates.
+"""The controller's model of the motors, and its criterion of a design.
 
 The model is T_u of one motor: thesis (9.12) on the large robot, and on another robot what (9.11)
 identifies from two updates of the nominal one. The tool is not in it: a design whose motors
@@ -7,7 +7,6 @@ converge may still leave it worse.
 
 from functools import lru_cache
 
-from armside.arrays import Array
 from armside.ilc.analysis.criterion import frequency_grid, heuristic_criterion
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.identification.first_order_lag import LearningRecord, identify
@@ -29,10 +28,8 @@ GRID = frequency_grid(800)
 
 
 def motor_model(robot: str | Cell) -> System:
-    """T_u of every motor of the nominal robot.
-
-    Raises ValueError for a robot that cannot cut the default circle at its first pose.
-    """
+    """T_u of every motor of the nominal robot. Raises ValueError for a robot that cannot cut the
+    default circle at its first pose."""
     if robot == "large":
         return SERVO
     experiment = prepare(cut := Cut(robot=robot), seed=0)
@@ -53,14 +50,3 @@ def contraction(T_u: System, design: Design) -> float:
         ).contraction
         for gamma, delta, cutoff in each
     )
-
-
-def held(
-    T_u: System, design: Design, correction: Array, error: Array, updates: int
-) -> tuple[Array, Array]:
-    """Correction and error (N, n) after so many more updates with the same design."""
-    for _ in range(updates):
-        following = design.law(correction, error)
-        error = error - T_u.simulate(following - correction)
-        correction = following
-    return correction, error

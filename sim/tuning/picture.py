@@ -1,8 +1,6 @@
 """Pictures of an episode as pixels: drawn in software, or MuJoCo's view of the robot."""
 
 from collections.abc import Sequence
-from enum import Enum
-from pathlib import Path
 
 import numpy as np
 
@@ -16,28 +14,8 @@ LARGEST_SHOWN = 0.6
 """Fraction of the smallest radius of the contour."""
 
 
-class Picture(Enum):
-    """Content of `render`."""
-
-    DRAWING = "drawing"
-    """Contour and errors over the iterations."""
-    MUJOCO = "mujoco"
-    """The robot where its run starts; needs OpenGL, in software or hardware."""
-
-    def draw(self, history: Sequence[Situation], rules: Rules) -> np.ndarray:
-        """(height, width, 3) uint8. Raises NoGraphicsError where MuJoCo cannot draw."""
-        if self is Picture.MUJOCO:
-            return _robot(history[-1], rules.cell.xml)
-        return _drawing(history, rules)
-
-    @classmethod
-    def _missing_(cls, value: object) -> None:
-        raise ValueError(
-            f"Unknown picture {value!r}. It can be: {', '.join(p.value for p in Picture)}"
-        )
-
-
 def _drawing(history: Sequence[Situation], rules: Rules) -> np.ndarray:
+    """Contour and errors over the iterations."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
@@ -87,15 +65,21 @@ def magnification(history: Sequence[Situation], radius: float) -> float:
     return next((m for m in MAGNIFICATIONS if m * largest <= LARGEST_SHOWN * radius), 1.0)
 
 
-def _robot(situation: Situation, xml: Path) -> np.ndarray:
+def _robot(history: Sequence[Situation], rules: Rules) -> np.ndarray:
+    """The robot where its run starts; needs OpenGL, in software or hardware."""
     import mujoco
 
     from ..replay.offscreen import Offscreen, drawn_model, named_camera
 
-    loaded = situation.experiment.loaded
-    mj = drawn_model(loaded.model.mj, xml)
+    loaded = history[-1].experiment.loaded
+    mj = drawn_model(loaded.model.mj, rules.cell.xml)
     data = mujoco.MjData(mj)
     data.qpos[:] = loaded.initial_state[1 : 1 + mj.nq]
     mujoco.mj_forward(mj, data)
     with Offscreen(mj, WIDTH, HEIGHT) as camera:
         return camera.draw(data, named_camera(mj, "whole"))
+
+
+PICTURES = {"drawing": _drawing, "mujoco": _robot}
+"""Content of `render`: (height, width, 3) uint8 of an episode so far. Raises NoGraphicsError where
+MuJoCo cannot draw."""

@@ -10,7 +10,6 @@ import numpy as np
 from armside.arrays import Array, npz
 
 from ..laser.design import Design
-from ..motion.tool_motion import motion_notes
 from ..notes import Note
 from .action import SIX, Motors, action_of
 from .rules import Decision, Rules
@@ -81,10 +80,7 @@ class Episode:
 
 
 def run_episode(rules: Rules, seed: int, policy: Policy) -> Episode:
-    """The episode of `reset(seed=seed)`, with the policy's actions.
-
-    Raises ValueError for a seed that is sealed, or has to be, and for an action out of range.
-    """
+    """The episode of `reset(seed=seed)`, with the policy's actions. Raises as the env."""
     rules.check_seed(seed)
     situation = rules.begin(rules.draw(np.random.default_rng(seed)))
     runs, decisions = [situation], list[Decision]()
@@ -93,12 +89,14 @@ def run_episode(rules: Rules, seed: int, policy: Policy) -> Episode:
         situation = rules.advance(situation, decision)
         decisions.append(decision)
         runs.append(situation)
-    true = np.array([run.true.rms for run in runs])
-    measured = np.array([run.measured.rms for run in runs])
-    made = situation.experiment
-    of_motion = tuple(motion_notes(made.motion, made.cut.limits))
-    notes = tuple((*of_motion, *run.notes) for run in runs)
-    return Episode(seed, true, measured, tuple(decisions), situation.diverged, notes)
+    return Episode(
+        seed,
+        rms_true=np.array([run.true.rms for run in runs]),
+        rms_measured=np.array([run.measured.rms for run in runs]),
+        decisions=tuple(decisions),
+        diverged=situation.diverged,
+        notes=tuple(tuple(run.all_notes) for run in runs),
+    )
 
 
 def evaluate(
@@ -110,9 +108,6 @@ def evaluate(
 
 
 def always(design: Design, motors: Motors, n_axes: int = SIX) -> Policy:
-    """The policy that takes the same design in each iteration.
-
-    Raises ValueError for a design outside of the ranges, or of another number of motors.
-    """
+    """The policy that takes the same design in each iteration. Raises ValueError as `action_of`."""
     action = action_of(design, motors, n_axes)
     return lambda observed: action

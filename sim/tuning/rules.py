@@ -28,14 +28,21 @@ from ..robot.kinematics_check import cell_model
 from ..robot.model import RobotModel
 from ..robot.spread import Drawn, check_applies
 from ..robot_file.find import find_cell
-from ..twin.prediction import Corrected
 from ..twin.twin import learned, stored_twin
 from . import episode_task as task
 from . import outlook
-from .action import LARGEST_COUNT, VARIABLES, Coefficients, CorrectionBasis, Motors, design_of
+from .action import (
+    BASES,
+    LARGEST_COUNT,
+    VARIABLES,
+    Coefficients,
+    CorrectionBasis,
+    Motors,
+    design_of,
+)
 from .episode_task import RANGES, TEST_SEEDS, Shapes, Task, shapes_of, whole
 from .observation import Layout
-from .situation import RewardSensor, Sensor, Situation, advance, begin, run_with
+from .situation import RewardSensor, Situation, begin, restarted, run
 
 WORST_REWARD = -5.0  # Reward of a run that diverged; also the bound of every other
 HORIZON = 20
@@ -43,7 +50,6 @@ HORIZON = 20
 
 Decision = Design | Coefficients
 """What an action stands for."""
-ACTIONS = ("design", "correction")
 Step = tuple[np.ndarray, float, bool, bool, dict[str, Any]]
 """Observation, reward, diverged, budget used up, info."""
 
@@ -105,20 +111,24 @@ class Rules(EnvCfg):
     """Entries of the observation."""
     nominal: RobotModel = field(init=False, repr=False)
     """Nominal robot of the controller."""
-    sensor: Sensor = field(init=False, repr=False)
-    """Sensor that the reward is computed from."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "cell", _cell(self.robot))
-        _one_of("motors", self.motors, [m.value for m in Motors])
-        _one_of("reward", self.reward, [s.value for s in RewardSensor])
+        robot = fspath(self.robot) if isinstance(self.robot, PathLike) else self.robot
+        if not isinstance(robot, str):
+            raise ValueError(f"robot must be a name or a robot file (.toml), got {robot!r}")
+        object.__setattr__(self, "cell", find_cell(robot))
+        for name, allowed in (
+            ("motors", [m.value for m in Motors]),
+            ("reward", [s.value for s in RewardSensor]),
+            ("action", ("design", "correction")),
+            ("basis", BASES),
+        ):
+            if (value := getattr(self, name)) not in list(allowed):
+                raise ValueError(f"Unknown {name} {value!r}. It can be: {', '.join(allowed)}")
         object.__setattr__(self, "iterations", whole("iterations", self.iterations, 1, 10))
         if not isinstance(self.sealed, bool):
             raise ValueError(f"sealed must be True or False, got {self.sealed!r}")
-        object.__setattr__(self, "sensor", RewardSensor(self.reward).sensor)
-        _one_of("action", self.action, ACTIONS)
-        count = whole("functions", self.functions, 2, LARGEST_COUNT)
-        basis = CorrectionBasis(self.basis, count)
+        basis = CorrectionBasis(self.basis, whole("functions", self.functions, 2, LARGEST_COUNT))
         object.__setattr__(self, "version", whole("version", self.version, 0, len(RANGES) - 1))
         shapes = shapes_of(self.shape, self.radius)
         if self.radius is None and shapes.names == ("circle",):
@@ -173,11 +183,8 @@ class Rules(EnvCfg):
         return outlook.motor_model(self.robot_or_cell)
 
     def check_seed(self, seed: Any) -> int | None:
-        """A seed of Python or NumPy, or None.
-
-        Raises ValueError for what is no seed, for a sealed one, or for no sealed one where it must
-        be.
-        """
+        """A seed of Python or NumPy, or None. Raises ValueError for what is none, for a sealed one,
+        or for no sealed one where it must be."""
         seed = None if seed is None else whole("seed", seed, 0)
         if self.sealed and (seed is None or seed not in TEST_SEEDS):
             raise ValueError(f"a sealed env is reset with a seed of {TEST_SEEDS}, got {seed}")
@@ -208,7 +215,7 @@ class Rules(EnvCfg):
         cut = experiment.cut
         assert isinstance(cut, Cut), "tasks are of one contour"
         twin = None if self.twin is None else learned(stored_twin(self.twin), cut)
-        return begin(drawn, experiment, self.sensor, twin)
+        return begin(drawn, experiment, RewardSensor(self.reward), twin)
 
     def decision(self, action: ArrayLike) -> Decision:
         """The design, or the correction, of an action. Raises ValueError as `design_of` does."""
@@ -217,8 +224,13 @@ class Rules(EnvCfg):
         return design_of(action, Motors(self.motors), self.n_axes)
 
     def advance(self, situation: Situation, decision: Decision) -> Situation:
-        """One iteration of learning."""
-        return advance(situation, decision)
+        """Learn once with a design, or take the chosen correction, and run again."""
+        centre = situation.centre
+        if isinstance(decision, Coefficients):
+            correction = centre + decision.correction(len(centre), situation.size)
+        else:
+            correction = centre + decision.law(situation.correction - centre, situation.error)
+        return run(situation, correction, situation.k + 1)
 
     def score(self, before: Situation, after: Situation) -> Score:
         """The reward of a step."""
@@ -240,42 +252,39 @@ class Rules(EnvCfg):
         ahead: dict[str, Any] = {}
         if isinstance(decision, Design):
             ahead["criterion"] = self.criterion(decision)
-            if self.version:
-                score, found = self._look_ahead(before, after, decision, score)
-                ahead |= found
+        if isinstance(decision, Design) and self.version:
+            _, error = self.predicted(after, decision)
+            gear = after.experiment.loaded.model.drives.gear
+            ahead["motor_error_predicted"] = two_norm(error * gear)
+            if self.truncated(after):
+                held = self.held(after, decision)
+                later = self.score(before, held)
+                if ahead["criterion"] >= 1.0:
+                    later = later._replace(reward=WORST_REWARD)
+                ahead["rms_held"] = float(held.measured.rms)
+                score = min(score, later, key=lambda one: one.reward)
         return self.observe(after), score.reward, *ends, self.info(after, decision, score) | ahead
 
     def criterion(self, design: Design) -> float:
         """sup |Q (1 - L T_u)|, the largest of all motors. Thesis (7.5)."""
         return outlook.contraction(self.T_u, design)
 
-    def _look_ahead(
-        self, before: Situation, after: Situation, design: Design, score: Score
-    ) -> tuple[Score, dict[str, Any]]:
-        """The worse of two scores: of the run, and, after the last, of the run at HORIZON."""
-        correction, error = self.predicted(after, design)
-        norm = two_norm(error * after.experiment.loaded.model.drives.gear)
-        if not self.truncated(after):
-            return score, {"motor_error_predicted": norm}
-        held = self.held(after, correction)
-        later = self.score(before, held)
-        if self.criterion(design) >= 1.0:
-            later = later._replace(reward=WORST_REWARD)
-        found = {"motor_error_predicted": norm, "rms_held": float(held.measured.rms)}
-        return min(score, later, key=lambda one: one.reward), found
-
     def predicted(
         self, situation: Situation, design: Design, until: int = HORIZON
     ) -> tuple[Array, Array]:
         """Correction and error (N, n) [rad], arm side, of run `until`, by the model."""
-        centre = situation.centre
-        now = situation.correction - centre, situation.error
-        correction, error = outlook.held(self.T_u, design, *now, until - situation.k)
+        centre, error = situation.centre, situation.error
+        correction = situation.correction - centre
+        for _ in range(until - situation.k):
+            following = design.law(correction, error)
+            error = error - self.T_u.simulate(following - correction)
+            correction = following
         return centre + correction, error
 
-    def held(self, situation: Situation, correction: Array) -> Situation:
-        """Run HORIZON with its predicted correction; the episode's noise stays as it is."""
-        return run_with(situation, correction, HORIZON)
+    def held(self, situation: Situation, design: Design, until: int = HORIZON) -> Situation:
+        """A run with the correction that is predicted; the episode's noise stays as it is."""
+        correction, _ = self.predicted(situation, design, until)
+        return run(restarted(situation), correction, HORIZON)
 
     def observe(self, situation: Situation) -> np.ndarray:
         """See `armside.sim.tuning.observation`."""
@@ -305,7 +314,7 @@ class Rules(EnvCfg):
           of the shaft, after HORIZON updates all with this design;
         - of the last step in version 1: rms_held [m], of a run with the correction predicted there.
         """
-        drawn = situation.task
+        drawn, twin = situation.task, situation.twin
         status = "done" if self.truncated(situation) else "running"
         return {
             "k": situation.k,
@@ -323,29 +332,11 @@ class Rules(EnvCfg):
             "motor_error_inf": situation.inf_norm.copy(),
             "rms_seen": float(situation.measured.rms),
             "maxdev_seen": float(situation.measured.maxdev),
-            **_of_twin(situation.twin),
+            **({} if twin is None else {"rms_predicted": twin.prediction.expected}),
+            **({} if twin is None else {"trusted": twin.trusted}),
             **({} if score is None else {"log_decrease": score.log_decrease}),
             **({} if decision is None else decision.arrays(self.n_axes)),
         }
-
-
-def _of_twin(found: Corrected | None) -> dict[str, Any]:
-    if found is None:
-        return {}
-    return {"rms_predicted": found.prediction.expected, "trusted": found.trusted}
-
-
-def _cell(robot: Any) -> Cell:
-    if isinstance(robot, PathLike):
-        robot = fspath(robot)
-    if not isinstance(robot, str):
-        raise ValueError(f"robot must be a name or a robot file (.toml), got {robot!r}")
-    return find_cell(robot)
-
-
-def _one_of(name: str, value: Any, allowed: Any) -> None:
-    if value not in list(allowed):
-        raise ValueError(f"Unknown {name} {value!r}. It can be: {', '.join(allowed)}")
 
 
 def show_compilation() -> None:

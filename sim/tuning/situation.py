@@ -4,10 +4,9 @@ A sensor is set up by the first run of an episode, the one without learning, and
 """
 
 import copy
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,21 +19,18 @@ from armside.ilc.measures.norms import inf_norm, two_norm
 from ..evaluation.tool_error import ToolError, tool_error
 from ..instruments.imu import ImuCfg
 from ..instruments.laser_tracker import beam
-from ..laser.design import Design
 from ..laser.experiment import Experiment, Pass, true_tool_error
 from ..laser.loop import FROM_A_MODEL
-from ..motion.tool_motion import ToolMotion
+from ..motion.tool_motion import ToolMotion, motion_notes
 from ..notes import Note
 from ..robot.recording import saturation
 from ..twin.prediction import Corrected
-from .action import REACH, Coefficients
+from .action import REACH
 from .episode_task import Task
 
 if TYPE_CHECKING:
     from ..laser.tool_measure import ToolOutput
 
-Reading = Callable[[Pass], ToolError]
-Sensor = Callable[[Experiment, Pass], Reading]
 _compiled = lru_cache(kinematics.compile)
 
 
@@ -49,12 +45,22 @@ class RewardSensor(Enum):
     MOTOR = "motor"
     """The motor angles, by rigid forward kinematics."""
 
-    @property
-    def sensor(self) -> Sensor:
-        """Set up by the first run of an episode."""
-        if self is RewardSensor.TRACKER:
-            return _by_tracker
-        return _by_motors if self is RewardSensor.MOTOR else _by_estimate
+    def reading(self, experiment: Experiment, first: Pass) -> "Reading":
+        """The sensor of an episode, set up by its first run.
+
+        The estimate assumes the right payload, and the springs of the nominal robot's gears.
+        """
+        motion, robot = experiment.motion, experiment.cut.cell.robot
+        if self is not RewardSensor.ESTIMATE:
+            return Reading(self, motion, robot)
+        # Imported here: the other sensors do without the estimator.
+        from ..estimation.commissioning import Commissioning, OnFault
+        from ..laser.tool_measure import ToolPath
+
+        going_on = Commissioning(on_fault=OnFault.GO_ON)
+        measure = ToolPath(stiffness_error=0.0, commissioning=going_on)
+        output = measure.commissioned(experiment, measure.assumed(experiment), first)
+        return Reading(self, motion, robot, output)
 
     @property
     def label(self) -> str:
@@ -67,40 +73,28 @@ class RewardSensor(Enum):
         return ImuCfg() if self is RewardSensor.ESTIMATE else None
 
 
-def _by_tracker(experiment: Experiment, _first: Pass) -> Reading:
-    return partial(_tracker_error, experiment.motion)
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """Measures the tool's deviation in a run of an episode."""
 
+    sensor: RewardSensor
+    motion: ToolMotion
+    robot: kinematics.Robot
+    output: "ToolOutput | None" = None
+    """Of the estimate."""
 
-def _tracker_error(motion: ToolMotion, cut: Pass) -> ToolError:
-    return tool_error(motion, cut.tracker.time, cut.tracker.position)
-
-
-def _by_motors(experiment: Experiment, _first: Pass) -> Reading:
-    return partial(_motor_error, experiment.cut.cell.robot, experiment.motion)
-
-
-def _motor_error(robot: kinematics.Robot, motion: ToolMotion, cut: Pass) -> ToolError:
-    arm, log = _compiled(robot), cut.recording
-    asked, got = (arm.pose(phi)[:, :3, 3] for phi in (log.reference, log.motor_angle))
-    # r is shifted against the deflection that the controller expects: compare with r, not
-    # with the programmed path.
-    return tool_error(motion, log.time, motion.position + got - asked)
-
-
-def _by_estimate(experiment: Experiment, first: Pass) -> Reading:
-    """The assumed payload is right; the gears' springs are those of the nominal robot."""
-    # Imported here: the other sensors do without the estimator.
-    from ..estimation.commissioning import Commissioning, OnFault
-    from ..laser.tool_measure import ToolPath
-
-    measure = ToolPath(stiffness_error=0.0, commissioning=Commissioning(on_fault=OnFault.GO_ON))
-    output = measure.commissioned(experiment, measure.assumed(experiment), first)
-    return partial(_estimated_error, output, experiment.motion)
-
-
-def _estimated_error(output: "ToolOutput", motion: ToolMotion, cut: Pass) -> ToolError:
-    moved = output.estimated(cut).displacement[:, :3]
-    return tool_error(motion, cut.recording.time, motion.position[0] + moved)
+    def __call__(self, cut: Pass) -> ToolError:
+        motion, log = self.motion, cut.recording
+        if self.sensor is RewardSensor.TRACKER:
+            return tool_error(motion, cut.tracker.time, cut.tracker.position)
+        if self.output is not None:
+            moved = self.output.estimated(cut).displacement[:, :3]
+            return tool_error(motion, log.time, motion.position[0] + moved)
+        arm = _compiled(self.robot)
+        asked, got = (arm.pose(phi)[:, :3, 3] for phi in (log.reference, log.motor_angle))
+        # r is shifted against the deflection that the controller expects: compare with r, not
+        # with the programmed path.
+        return tool_error(motion, log.time, motion.position + got - asked)
 
 
 @dataclass(frozen=True)
@@ -134,6 +128,12 @@ class Situation:
     """Limits that the run touched, and a beam that was lost."""
 
     @property
+    def all_notes(self) -> list[Note]:
+        """Notes of its motion, then those of the run."""
+        made = self.experiment
+        return [*motion_notes(made.motion, made.cut.limits), *self.notes]
+
+    @property
     def centre(self) -> Array:
         """(N, 6) [rad], arm side, correction that learning goes around: a twin's, or zero."""
         known = _trusted(self.twin)
@@ -147,30 +147,18 @@ class Situation:
 
 
 def begin(
-    task: Task, experiment: Experiment, sensor: Sensor, twin: Corrected | None = None
+    task: Task, experiment: Experiment, sensor: RewardSensor, twin: Corrected | None = None
 ) -> Situation:
     """Run once without learning, k = 0, corrected by a twin if there is one; set the sensor up."""
     correction = np.zeros_like(experiment.loaded.reference) if twin is None else twin.correction
     cut = experiment.plant.run(correction)
-    return _situation(task, experiment, sensor(experiment, cut), 0, correction, cut, twin=twin)
+    return _situation(
+        task, experiment, sensor.reading(experiment, cut), 0, correction, cut, twin=twin
+    )
 
 
-def advance(situation: Situation, decision: Design | Coefficients) -> Situation:
-    """Learn once with a design, or take the chosen correction, and run again."""
-    centre = situation.centre
-    if isinstance(decision, Coefficients):
-        correction = centre + decision.correction(len(centre), situation.size)
-    else:
-        correction = centre + decision.law(situation.correction - centre, situation.error)
-    return _run(situation, correction, situation.k + 1)
-
-
-def run_with(situation: Situation, correction: Array, k: int) -> Situation:
-    """Another run k of an episode, with any correction; the episode's noise stays as it is."""
-    return _run(restarted(situation), correction, k)
-
-
-def _run(situation: Situation, correction: Array, k: int) -> Situation:
+def run(situation: Situation, correction: Array, k: int) -> Situation:
+    """Run k of an episode, with any correction."""
     cut = situation.experiment.plant.run(correction)
     fixed = situation.task, situation.experiment, situation.reading
     return _situation(*fixed, k, correction, cut, situation.first_norm, situation.twin)

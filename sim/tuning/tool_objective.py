@@ -14,7 +14,7 @@ from ..estimation.commissioning import Commissioning, OnFault
 from ..estimation.tool_law import CUTOFF, ToolLaw
 from ..evaluation.tool_error import ToolError
 from ..laser.design import Design
-from ..laser.experiment import Iteration, Pass
+from ..laser.experiment import Pass
 from ..laser.loop import iterate
 from ..laser.tool_measure import Source, ToolOutput, ToolPath
 from ..notes import Note
@@ -96,8 +96,4 @@ class ToolObjective(Objective):
         experiment, measure = restarted(situation).experiment, replace(output.measure, law=law)
         own = replace(output, measure=measure, _validity=[])
         for one in iterate(experiment, lambda _: own, HORIZON, first=first):
-            yield _seen(situation, one)
-
-
-def _seen(situation: Situation, one: Iteration) -> _Seen:
-    return _Seen(situation.reading(one.run), one.tool_true, one.diverged, one.notes)
+            yield _Seen(situation.reading(one.run), one.tool_true, one.diverged, one.notes)

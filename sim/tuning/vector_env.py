@@ -15,7 +15,6 @@ from gymnasium.utils.seeding import np_random
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from ..motion.tool_motion import motion_notes
 from ..notes import Note, Tally
 from ..robot.run import cores
 from .episode_task import whole
@@ -61,7 +60,12 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         show_compilation()
         self.rules = Rules(**options)
         self.render_mode = None
-        self.autoreset_mode = _autoreset_mode(autoreset_mode)
+        try:
+            self.autoreset_mode = AutoresetMode(autoreset_mode)
+        except ValueError:
+            known = ", ".join(mode.value for mode in AutoresetMode)
+            refused = f"Unknown autoreset_mode {autoreset_mode!r}. It can be: {known}"
+            raise ValueError(refused) from None
         if self.rules.sealed and self.autoreset_mode is not AutoresetMode.DISABLED:
             raise ValueError(
                 "a sealed env cannot start episodes by itself: give autoreset_mode='Disabled'"
@@ -96,7 +100,10 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         if not isinstance(options, Mapping | None):
             raise ValueError(f"options of reset must be a dict, got {options!r}")
         options = dict(options or {})
-        mask = self._mask(options.pop("reset_mask", None))
+        mask = options.pop("reset_mask", None)
+        mask = np.ones(self.num_envs, dtype=bool) if mask is None else np.asarray(mask)
+        if mask.shape != (self.num_envs,) or mask.dtype != np.bool_ or not mask.any():
+            raise ValueError(f"reset_mask must be {self.num_envs} booleans, one of them true")
         chosen: list[int] = np.flatnonzero(mask).tolist()
         rngs: dict[int, np.random.Generator] = {}
         for i in chosen:
@@ -215,8 +222,7 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         """Count the notes of the last run of these robots."""
         for i in robots:
             if (situation := self._situations[i]) is not None:
-                made = situation.experiment
-                self.tally.add((*motion_notes(made.motion, made.cut.limits), *situation.notes))
+                self.tally.add(situation.all_notes)
 
     def _order(self, i: int) -> int:
         situation = self._situations[i]
@@ -231,19 +237,3 @@ class IlcTuningVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         if len(seed) != self.num_envs:
             raise ValueError(f"{self.num_envs} robots need as many seeds, got {len(seed)}")
         return list(seed)
-
-    def _mask(self, mask: Any) -> np.ndarray:
-        if mask is None:
-            return np.ones(self.num_envs, dtype=bool)
-        mask = np.asarray(mask)
-        if mask.shape != (self.num_envs,) or mask.dtype != np.bool_ or not mask.any():
-            raise ValueError(f"reset_mask must be {self.num_envs} booleans, one of them true")
-        return mask
-
-
-def _autoreset_mode(value: str | AutoresetMode) -> AutoresetMode:
-    try:
-        return AutoresetMode(value)
-    except ValueError:
-        known = ", ".join(mode.value for mode in AutoresetMode)
-        raise ValueError(f"Unknown autoreset_mode {value!r}. It can be: {known}") from None

@@ -19,9 +19,15 @@ from ..laser.specification import Cut
 from ..motion.contour import Circle, ClosedCurve, hexagon, square
 from ..robot.individual import Individual
 from ..robot.mjcf import N_AXES
-from .identification import Identification, IdentifiedParameters, identify, parameters_of
+from .identification import (
+    CORRELATION,
+    Identification,
+    IdentifiedParameters,
+    identify,
+    parameters_of,
+)
 from .imu_sensor import IMU
-from .recordings import ImplausibleError, MeasuredCut, SensorName, measured
+from .recordings import ImplausibleError, MeasuredCut, SensorName, measured, measured_from
 from .sensitivities import Against
 from .simulation import RobotDesign, design_of, motor_path, robot_digest, tool_path
 from .tool_sensor import TRACKER, ToolSensor
@@ -87,7 +93,7 @@ def chosen(
     """The most informative candidates for individuals of a design, in the order they are taken."""
     parameters = parameters_of(design)
     whole = np.diag(parameters.standard_deviation**-2.0)
-    each = list[Array]()
+    each = []
     for cut in candidates:
         each.append(_information(design, cut))
         progress()
@@ -97,10 +103,9 @@ def chosen(
         rarest = min(used.count(cut.curve) for cut in candidates)
         now = float(np.linalg.slogdet(whole)[1])
         gains = {
-            i: float(np.linalg.slogdet(whole + information)[1]) - now
-            for i, information in enumerate(each)
-            if used.count(candidates[i].curve) == rarest
-            and i not in {choice.number for choice in taken}
+            i: float(np.linalg.slogdet(whole + each[i])[1]) - now
+            for i, cut in enumerate(candidates)
+            if used.count(cut.curve) == rarest and all(i != one.number for one in taken)
         }
         best = max(gains, key=lambda i: gains[i])
         taken.append(Choice(best, gains[best]))
@@ -110,36 +115,24 @@ def chosen(
 
 def _information(design: RobotDesign, cut: Cut) -> Array:
     """Information of a cut about an individual like the design."""
-    parameters, cfg = parameters_of(design), Identification()
+    parameters = parameters_of(design)
     reference = prepare(replace(cut, friction_spread=0.0)).loaded.reference
-    against = Against(design, parameters, _nominal_run(design, reference))
-    _, columns = against.linearised(parameters.mean)
-    torque = cfg.correlation * _TORQUE * design.model.drives.torque_limit
+    nominal = parameters.individual(parameters.mean, np.zeros((N_AXES, 4)))
+    run = design.run([nominal], reference, np.zeros_like(reference))[0]
+    made = measured_from(run, "nominal")
+    made = replace(made, motor_angle=motor_path(run), tool=tool_path(run))
+    _, columns = Against(design, parameters, made).linearised(parameters.mean)
+    torque = CORRELATION * _TORQUE * design.model.drives.torque_limit
     information = np.zeros((parameters.size, parameters.size))
     for axis in range(N_AXES):
-        A = columns.torque[against.cut.moving, axis] / torque[axis]
+        A = columns.torque[made.moving, axis] / torque[axis]
         information += A.T @ A
-    A = columns.tool.reshape(-1, parameters.size) / (cfg.correlation * _TOOL)
+    A = columns.tool.reshape(-1, parameters.size) / (CORRELATION * _TOOL)
     return information + A.T @ A
 
 
 _TORQUE, _TOOL = 2e-3, 1e-5
 """Residuals to expect: of torque over its limit, and of the tool [m]; as with hidden hinges."""
-
-
-def _nominal_run(design: RobotDesign, reference: Array) -> MeasuredCut:
-    parameters = parameters_of(design)
-    zero = np.zeros_like(reference)
-    twin = parameters.individual(parameters.mean, np.zeros((N_AXES, 4)))
-    run = design.run([twin], reference, zero)[0]
-    return MeasuredCut(
-        name="nominal",
-        reference=reference,
-        correction=zero,
-        motor_angle=motor_path(run),
-        motor_torque=run.motor_torque,
-        tool=tool_path(run),
-    )
 
 
 SENSORS: Mapping[SensorName, ToolSensor] = {"tracker": TRACKER, "imu": IMU}
@@ -158,13 +151,8 @@ def check(design: RobotDesign, cut: MeasuredCut, sensor: ToolSensor) -> None:
     for name in ("reference", "correction", "motor_angle", "motor_torque"):
         if not np.isfinite(getattr(cut, name)).all():
             raise ImplausibleError(f"{cut.name}: {name} holds values that are not finite")
-    _check_motors(cut)
-    sensor.check(design.model, cut)
-    _check_torque(cut, design.run([Individual()], cut.reference, cut.correction)[0].motor_torque)
-
-
-def _check_motors(cut: MeasuredCut) -> None:
-    if not cut.moving.any():
+    on = cut.moving
+    if not on.any():
         raise ImplausibleError(f"{cut.name}: the reference never moves")
     error = np.abs(cut.motor_angle - cut.reference - cut.correction).max(axis=0)
     axis = int(error.argmax())
@@ -173,12 +161,8 @@ def _check_motors(cut: MeasuredCut) -> None:
             f"{cut.name}: motor {axis + 1} is up to {error[axis]:.3g} rad from its reference: "
             "another robot, or another unit"
         )
-
-
-def _check_torque(cut: MeasuredCut, nominal: Array) -> None:
-    """nominal: (N, 6) [N m], of the nominal robot with the same reference."""
-    on = cut.moving
-    nominal = nominal[on]
+    sensor.check(design.model, cut)
+    nominal = design.run([Individual()], cut.reference, cut.correction)[0].motor_torque[on]
     gain = float(np.vdot(nominal, cut.motor_torque[on]) / np.vdot(nominal, nominal))
     low, high = _TORQUE_GAIN
     if not low < gain < high:
@@ -223,7 +207,14 @@ def commission(
     for cut in cuts:
         check(design, cut, sensor)
     found = identify(design, cuts, cfg, progress, sensor=sensor)
-    _check_agreement(cuts, found, sensor)
+    left = found.held_out
+    worst, usual = int(np.nan_to_num(left).argmax()), float(np.median(left))
+    if len(cuts) > 2 and left[worst] > max(sensor.unsuspicious, _OUTLIER * usual):
+        raise ImplausibleError(
+            f"{cuts[worst].name} contradicts the other cuts: a twin of those leaves "
+            f"{sensor.factor * left[worst]:.3g} {sensor.unit} of the {sensor.quantity}, "
+            f"{sensor.factor * usual:.3g} is usual; leave it out, or cut it again"
+        )
     twin = Twin(
         robot=robot,
         digest=robot_digest(robot),
@@ -231,24 +222,8 @@ def commission(
         sensor=measure,
         theta=found.theta,
         covariance=found.covariance,
-        held_out=sensor.displacement * found.quality.held_out,
-        torque_residual=np.sqrt(np.mean(found.quality.torque**2, axis=0)),
+        held_out=sensor.displacement * left,
+        torque_residual=np.sqrt(np.mean(found.torque**2, axis=0)),
         names=tuple(cut.name for cut in cuts),
     )
     return CommissionedTwin(twin, found)
-
-
-def _check_agreement(
-    cuts: Sequence[MeasuredCut], found: IdentifiedParameters, sensor: ToolSensor
-) -> None:
-    """Raise ImplausibleError for a cut that the twin of the others does not explain at all."""
-    left = found.quality.held_out
-    worst = int(np.nan_to_num(left).argmax())
-    usual = float(np.median(left))
-    if len(cuts) > 2 and left[worst] > max(sensor.unsuspicious, _OUTLIER * usual):
-        much, little = sensor.factor * left[worst], sensor.factor * usual
-        raise ImplausibleError(
-            f"{cuts[worst].name} contradicts the other cuts: a twin of those leaves "
-            f"{much:.3g} {sensor.unit} of the {sensor.quantity}, {little:.3g} is usual; leave it "
-            "out, or cut it again"
-        )

@@ -23,7 +23,6 @@ from ..notes import Cause, Note
 from . import twin as library
 from .prediction import Corrected
 from .recordings import MeasuredCut, measured_from
-from .simulation import RobotDesign
 from .twin import Twin
 
 _PRIOR = 0.15
@@ -47,47 +46,40 @@ class Refreshed:
     def advice(self) -> str | None:
         """Reason to commission the robot again; None where there is none."""
         drift = np.abs(np.log(self.twin.friction))
-        if drift.max() > np.log1p(_LARGEST_DRIFT):
-            axis = int(drift.argmax())
+        axis = int(drift.argmax())
+        if drift[axis] > np.log1p(_LARGEST_DRIFT):
             factor = self.twin.friction[axis]
             return f"friction of axis {axis + 1} is {factor:.2f} times that at commissioning"
-        if self.growth.max() > _LARGEST_GROWTH:
-            axis = int(self.growth.argmax())
-            return (
-                f"torque of axis {axis + 1} is no longer explained: {self.growth[axis]:.1f} times"
-            )
+        axis = int(self.growth.argmax())
+        if self.growth[axis] > _LARGEST_GROWTH:
+            growth = self.growth[axis]
+            return f"torque of axis {axis + 1} is no longer explained: {growth:.1f} times"
         return None
 
 
 def refreshed(twin: Twin, runs: Sequence[MeasuredCut], payload: float | None = None) -> Refreshed:
-    """The twin with the friction that production runs show.
-
-    payload: mass of the tool in these runs [kg]; that of the robot's file if None.
-    """
+    """The twin with the friction that production runs show, with a tool of that mass [kg]; that of
+    the robot's file if None."""
     design = twin.design_with(payload)
     least = 1e-3 * design.model.drives.torque_limit
     noise = np.maximum(3.0 * twin.torque_residual, least)
     for _ in range(_TURNS):
         information, gradient = np.full(6, _PRIOR**-2.0), -np.log(twin.friction) * _PRIOR**-2.0
         for run in runs:
-            slope, residual = _sensitivity(design, twin, run)
+            more = replace(twin.individual, friction=twin.friction * np.exp(_STEP))
+            base, other = design.run([twin.individual, more], run.reference, run.correction)
+            slope = (other.motor_torque - base.motor_torque)[run.moving] / _STEP
+            residual = (run.motor_torque - base.motor_torque)[run.moving]
             information = information + np.sum(slope**2, axis=0) / noise**2
             gradient = gradient + np.sum(slope * residual, axis=0) / noise**2
         twin = replace(twin, friction=twin.friction * np.exp(gradient / information))
-    left = np.mean([np.mean(_residual(design, twin, run) ** 2, axis=0) for run in runs], axis=0)
-    return Refreshed(twin=twin, growth=np.sqrt(left) / np.maximum(twin.torque_residual, least))
-
-
-def _sensitivity(design: RobotDesign, twin: Twin, run: MeasuredCut) -> tuple[Array, Array]:
-    more = replace(twin.individual, friction=twin.friction * np.exp(_STEP))
-    base, other = design.run([twin.individual, more], run.reference, run.correction)
-    slope = (other.motor_torque - base.motor_torque) / _STEP
-    return slope[run.moving], (run.motor_torque - base.motor_torque)[run.moving]
-
-
-def _residual(design: RobotDesign, twin: Twin, run: MeasuredCut) -> Array:
-    simulated = design.run([twin.individual], run.reference, run.correction)[0]
-    return (run.motor_torque - simulated.motor_torque)[run.moving]
+    left = []
+    for run in runs:
+        simulated = design.run([twin.individual], run.reference, run.correction)[0]
+        residual = (run.motor_torque - simulated.motor_torque)[run.moving]
+        left.append(np.mean(residual**2, axis=0))
+    rms = np.sqrt(np.mean(left, axis=0))
+    return Refreshed(twin=twin, growth=rms / np.maximum(twin.torque_residual, least))
 
 
 LONG = 0.05
@@ -113,18 +105,15 @@ class FirstCut:
         A model's run is compared by an estimate of one place. Along a long path that does not hold:
         the programmed path stays the target, and estimate and law follow the pose.
         """
-        if not self.found.trusted:
-            return measure
-        long = np.ptp(experiment.loaded.reference, axis=0).max() > LONG
-        if long and isinstance(measure, ToolPath) and measure.source is Source.ESTIMATE:
-            return measure
-        if isinstance(measure, MotorAngles):
+        reference = experiment.loaded.reference
+        if self.found.trusted and isinstance(measure, MotorAngles):
             return replace(measure, target=self.found.motor_path)
-        if isinstance(measure, ToolPath):
-            reference = experiment.loaded.reference
-            run = self.twin.run(experiment.cut, reference, self.found.correction)
-            return replace(measure, target=run)
-        return measure
+        if not self.found.trusted or not isinstance(measure, ToolPath):
+            return measure
+        if np.ptp(reference, axis=0).max() > LONG and measure.source is Source.ESTIMATE:
+            return measure
+        run = self.twin.run(experiment.cut, reference, self.found.correction)
+        return replace(measure, target=run)
 
     @property
     def predicted(self) -> dict[str, Any]:
@@ -148,28 +137,18 @@ class FirstCut:
 
     def shown_by(self, first: Pass, payload: float | None) -> tuple[dict[str, Any], list[Note]]:
         """Entry `twin` of summary.json: the friction that the first run shows; and a note where the
-        twin should be made again.
-
-        payload: mass of the tool in that run [kg]; that of the robot's file if None.
-        """
-        run = measured_from(first.recording, None, "first run")  # friction shows without a tracker
+        twin should be made again. payload: as of `refreshed`."""
+        run = measured_from(first.recording, "first run")  # friction shows without a tracker
         after = refreshed(self.twin, [run], payload)
-        text = f"commission the robot again: {after.advice}"
-        notes = [] if after.advice is None else [Note(cause=Cause.TWIN, text=text)]
-        entry = {
-            "friction": after.twin.friction,
-            "torque_growth": after.growth,
-            "advice": after.advice,
-        }
-        return entry, notes
+        friction, advice = after.twin.friction, after.advice
+        text = f"commission the robot again: {advice}"
+        notes = [] if advice is None else [Note(cause=Cause.TWIN, text=text)]
+        return {"friction": friction, "torque_growth": after.growth, "advice": advice}, notes
 
 
 def first_cut(folder: Path, experiment: Experiment) -> FirstCut:
-    """Twin of a folder and its correction for the run of an experiment.
-
-    Raises ValueError for a folder without a twin, or one of another robot.
-    """
+    """Twin of a folder and its correction for the run of an experiment. Raises ValueError for a
+    folder without a twin, or one of another robot."""
     twin, cut = library.stored_twin(folder), experiment.cut
-    if isinstance(cut, Cut):
-        return FirstCut(twin, library.learned(twin, cut))
-    return FirstCut(twin, twin.correction_of(experiment))
+    one = isinstance(cut, Cut)
+    return FirstCut(twin, library.learned(twin, cut) if one else twin.correction_of(experiment))

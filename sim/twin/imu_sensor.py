@@ -22,7 +22,7 @@ from armside.ilc.filters import ZeroPhaseButterworth
 
 from ..estimation.imu_health import ImuError, repaired
 from ..estimation.rigid_motion import ENCODER_FILTER
-from ..instruments.imu import ImuCfg, ImuSamples, TriadCfg
+from ..instruments.imu import ImuCfg, ImuSamples
 from ..robot.mjcf import N_AXES
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
@@ -49,11 +49,8 @@ tenth of it. ESTIMATE."""
 
 
 def unit_errors(time: Array, reading: Array, cfg: ImuCfg) -> tuple[Array, Array]:
-    """Columns (K, 3, 19) [m/s^2] of the errors, and their standard deviations (19,).
-
-    Bias and its drift, mounting, scale and misalignment, clock. reading: (K, 3), of the unit: its
-    errors are small.
-    """
+    """Columns (K, 3, 19) [m/s^2] of bias and its drift, mounting, scale and misalignment, clock,
+    for small errors of a reading (K, 3); and their standard deviations (19,)."""
     n, unit, triad = len(reading), np.eye(3), cfg.accelerometer
     ramp = np.linspace(-1.0, 1.0, n)
     bias = np.concatenate((np.tile(unit, (n, 1, 1)), ramp[:, None, None] * unit), axis=2)
@@ -66,39 +63,13 @@ def unit_errors(time: Array, reading: Array, cfg: ImuCfg) -> tuple[Array, Array]
     return np.concatenate((bias, mounting, sensitivity, clock), axis=2), deviation
 
 
-@dataclass(frozen=True, eq=False)
-class UnitSampling:
-    """A triad as its data sheet has it."""
-
-    triad: TriadCfg
-    time: Array
-    """(K,) [s], of its samples, on its own clock."""
-
-    def __call__(self, ideal: Array, step: float, offset: float) -> Array:
-        """Readings (K, 3, ...) of ideal ones (M, 3, ...), which start at robot time 0.
-
-        step: between ideal readings [s]. offset: robot time less unit time [s].
-        """
-        filtered = self.filtered(ideal, step)
-        at = np.clip((self.time + offset) / step, 0.0, len(ideal) - 1.0)
-        i = np.minimum(at.astype(int), len(ideal) - 2)
-        fraction = (at - i).reshape(-1, *[1] * (ideal.ndim - 1))
-        return np.asarray((1.0 - fraction) * filtered[i] + fraction * filtered[i + 1])
-
-    def filtered(self, ideal: Array, step: float) -> Array:
-        """Ideal readings (M, 3, ...) through the low-pass, from rest."""
-        moved = (ideal - ideal[0]).reshape(len(ideal), -1)
-        return ideal[0] + self.triad.low_passed(moved, step).reshape(ideal.shape)
-
-
 def clock_offset(
     unit_time: Array, reading: Array, expected: Array, step: float, largest: float
 ) -> float:
     """Robot time less unit time [s], by least squares of readings (K, 3) on expected ones (N, 3).
 
-    An affine map of the expected readings stands for bias, mounting and scale. `step`: between
-    expected readings [s], which start at robot time 0. `largest`: of the offset [s]; twice that is
-    searched.
+    Those start at robot time 0, `step` [s] apart; an affine map of them stands for bias, mounting
+    and scale. Twice the `largest` offset [s] is searched.
     """
     from scipy.optimize import OptimizeResult, minimize_scalar
 
@@ -143,8 +114,6 @@ class ImuComparison:
 
     model: RobotModel
     cut: MeasuredCut
-    cutoff: float = CUTOFF
-    """[Hz], of Q."""
 
     @cached_property
     def samples(self) -> ImuSamples:
@@ -156,26 +125,31 @@ class ImuComparison:
         ideal, step = _ideal(run)
         offset = self._offset(ideal, step)
         by_motors = self._kinematics.change(self._smooth - motor_path(run))
-        expected = self._sampling(ideal, step, offset)
-        expected += self._sampling(by_motors, LOG_PERIOD, offset)
+        expected = self._sampled(ideal, step, offset)
+        expected += self._sampled(by_motors, LOG_PERIOD, offset)
         return self._cleaned(self._reading - expected)
 
     def change(self, base: Recording, run: Recording) -> Array:
         (before, step), (after, _) = _ideal(base), _ideal(run)
         offset = self._offset(before, step)
         by_motors = self._kinematics.change(motor_path(run) - motor_path(base))
-        change = self._sampling(after - before, step, offset)
-        return self._cleaned(change - self._sampling(by_motors, LOG_PERIOD, offset))
+        change = self._sampled(after - before, step, offset)
+        return self._cleaned(change - self._sampled(by_motors, LOG_PERIOD, offset))
 
     def by_kinematics(self) -> Mapping[str, Array]:
         waves = gear_waves(self.model, self.cut.motor_angle).reshape(-1, N_AXES, 1, 8)
         each = (np.eye(N_AXES)[:, :, None] * waves).reshape(-1, N_AXES, N_AXES * 8)
         change = self._kinematics.change(each)
-        return {"gear_error": self._cleaned(self._sampling(change, LOG_PERIOD, self._rigid_offset))}
+        return {"gear_error": self._cleaned(self._sampled(change, LOG_PERIOD, self._rigid_offset))}
 
-    @cached_property
-    def _sampling(self) -> UnitSampling:
-        return UnitSampling(CFG.accelerometer, self.samples.time)
+    def _sampled(self, ideal: Array, step: float, offset: float) -> Array:
+        """Readings (K, 3, ...) of the unit for ideal ones (M, 3, ...), every `step` [s] from robot
+        time 0; offset: robot time less unit time [s]."""
+        filtered = _filtered(ideal, step)
+        at = np.clip((self.samples.time + offset) / step, 0.0, len(ideal) - 1.0)
+        i = np.minimum(at.astype(int), len(ideal) - 2)
+        fraction = (at - i).reshape(-1, *[1] * (ideal.ndim - 1))
+        return np.asarray((1.0 - fraction) * filtered[i] + fraction * filtered[i + 1])
 
     @cached_property
     def _smooth(self) -> Array:
@@ -194,7 +168,7 @@ class ImuComparison:
 
     def _offset(self, ideal: Array, step: float) -> float:
         """Robot time less unit time [s], by ideal readings (M, 3)."""
-        expected = self._sampling.filtered(ideal, step)
+        expected = _filtered(ideal, step)
         return clock_offset(self.samples.time, self._reading, expected, step, CFG.clock_offset)
 
     @cached_property
@@ -217,8 +191,14 @@ class ImuComparison:
 
     def _low_passed(self, reading: Array) -> Array:
         noise = CFG.accelerometer.noise_density * np.sqrt(0.5 * CFG.rate)
-        smooth = ZeroPhaseButterworth(self.cutoff, 1.0 / CFG.rate)
+        smooth = ZeroPhaseButterworth(CUTOFF, 1.0 / CFG.rate)
         return smooth(reading.reshape(len(reading), -1) / noise).reshape(reading.shape)
+
+
+def _filtered(ideal: Array, step: float) -> Array:
+    """Ideal readings (M, 3, ...) through the unit's low-pass, from rest."""
+    moved = (ideal - ideal[0]).reshape(len(ideal), -1)
+    return ideal[0] + CFG.accelerometer.low_passed(moved, step).reshape(ideal.shape)
 
 
 def _ideal(run: Recording) -> tuple[Array, float]:

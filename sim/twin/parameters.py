@@ -8,7 +8,6 @@ enters as cosine and sine relative to the amplitude of the design. The prior is 
 distribution around the design: what a data sheet of the type states.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -77,6 +76,11 @@ def tool_blocks(n_structure: int) -> tuple[Block, ...]:
     )
 
 
+_LOGARITHMS = (*(block.name for block in FRICTION if block.name != "ripple"), "lost_motion")
+SPRINGS = ("gear_stiffness", "structure_stiffness")
+BENDING = ("bending", "bending_place")
+
+
 @dataclass(frozen=True)
 class Parameters:
     """Vector theta of named blocks."""
@@ -133,42 +137,26 @@ class Parameters:
         known = ", ".join(block.name for block in self.blocks)
         raise ValueError(f"Unknown block {name!r}. Blocks: {known}")
 
-    def values(self, theta: Array) -> dict[str, Array]:
-        """Blocks by name, in their shapes."""
-        return {b.name: theta[self.at(b.name)].reshape(b.shape) for b in self.blocks}
-
     def individual(self, theta: Array, gear_phase: Array) -> Individual:
-        """The individual of a vector.
-
-        gear_phase: (6, 4) [rad], phases of the gear error in the robot's file, which are those of
-        another individual.
-        """
-        return individual(self.values(theta), gear_phase)
-
-
-_LOGARITHMS = (*(block.name for block in FRICTION if block.name != "ripple"), "lost_motion")
-SPRINGS = ("gear_stiffness", "structure_stiffness")
-BENDING = ("bending", "bending_place")
-
-
-def individual(values: Mapping[str, Array], gear_phase: Array) -> Individual:
-    """Individual of named values; see `Parameters.individual`."""
-    factors: dict[str, Any] = {name: np.exp(values[name]) for name in _LOGARITHMS}
-    springs = [1.0 / np.maximum(1.0 + values[name], _STIFFEST) for name in SPRINGS]
-    ripple, error = values["ripple"], values["gear_error"]
-    ripple_phase = np.arctan2(ripple[:, 1], ripple[:, 0])
-    error_phase = np.arctan2(error[..., 1], error[..., 0])
-    return Individual(
-        **factors,
-        mass=1.0 + values["mass"],
-        gear_stiffness=springs[0],
-        structure_stiffness=springs[1],
-        hidden=hinges(*(values[name] for name in BENDING)),
-        ripple=np.hypot(ripple[:, 0], ripple[:, 1]),
-        ripple_phase=ripple_phase,
-        gear_error=np.hypot(error[..., 0], error[..., 1]),
-        # An individual's ripple phase turns its gear error too.
-        gear_error_phase=error_phase - gear_phase - ripple_phase[:, None],
-        position=values["position"],
-        orientation=values["orientation"],
-    )
+        """The individual of a vector; gear_phase: (6, 4) [rad], phases of the gear error in the
+        robot's file, which are those of another individual."""
+        values = {b.name: theta[self.at(b.name)].reshape(b.shape) for b in self.blocks}
+        factors: dict[str, Any] = {name: np.exp(values[name]) for name in _LOGARITHMS}
+        springs = [1.0 / np.maximum(1.0 + values[name], _STIFFEST) for name in SPRINGS]
+        ripple, error = values["ripple"], values["gear_error"]
+        ripple_phase = np.arctan2(ripple[:, 1], ripple[:, 0])
+        error_phase = np.arctan2(error[..., 1], error[..., 0])
+        return Individual(
+            **factors,
+            mass=1.0 + values["mass"],
+            gear_stiffness=springs[0],
+            structure_stiffness=springs[1],
+            hidden=hinges(*(values[name] for name in BENDING)),
+            ripple=np.hypot(ripple[:, 0], ripple[:, 1]),
+            ripple_phase=ripple_phase,
+            gear_error=np.hypot(error[..., 0], error[..., 1]),
+            # An individual's ripple phase turns its gear error too.
+            gear_error_phase=error_phase - gear_phase - ripple_phase[:, None],
+            position=values["position"],
+            orientation=values["orientation"],
+        )

@@ -25,8 +25,7 @@ and stiffness take it in: `standard_deviation` is wider, at most that of the pri
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -34,10 +33,8 @@ from armside.arrays import Array
 
 from ..laser.experiment import Experiment
 from ..robot.individual import Individual
-from ..robot.mjcf import N_AXES
-from ..robot.spread import PRODUCTION
 from .correction import learn_in_twin, twin_error
-from .parameters import SPRINGS, Parameters
+from .parameters import Parameters
 from .recordings import SensorName
 from .simulation import RobotDesign, motor_path
 
@@ -48,16 +45,8 @@ Individuals from 2001 on, of which nothing was chosen, test it."""
 _IDENTIFIED = 0.7
 """Standard deviation of the linearised model over that of the prior, up to which the cuts tell of a
 parameter. ESTIMATE."""
-MEMBERS = 8
-"""Two for each core of a small machine four times over: half a second. ESTIMATE."""
 SAMPLES_AT_ONCE = 20_000
 """Samples of the log of all runs of one rollout together: 80 s of motion, 250 MB."""
-_LOOSENESS: Mapping[SensorName, float] = {"tracker": 5e3, "imu": 0.0}
-"""[1/m]: log(compliance) for each metre of residual, 5 % for 10 um. From individuals 1001 to 1012,
-which are not the judged ones. By the tracker 5e3 ranks their errors best among 0, 2.5e3, 5e3 and
-1e4. The residual of an IMU is its own noise: of 0 the predicted errors follow those of the
-individuals, long contours above short ones, and 5e3 hides that."""
-_SEED = 0xE5
 _RESIDUAL, _SPREAD = 0.3, 0.4
 """a and b. Individuals differ from the twin by less than the draws: b < 1."""
 
@@ -72,68 +61,12 @@ def is_identified(parameters: Parameters, covariance: Array) -> np.ndarray:
     return np.sqrt(np.diag(covariance)) <= _IDENTIFIED * parameters.standard_deviation
 
 
-def members(
-    parameters: Parameters,
-    theta: Array,
-    covariance: Array,
-    gear_phase: Array,
-    residual: float,
-    sensor: SensorName,
-    count: int = MEMBERS,
-) -> list[Individual]:
-    """Individuals drawn around a twin, the same ones each time.
-
-    residual: of cuts that the twin was not identified from [m], by the sensor.
-    """
-    rng, loose = np.random.default_rng(_SEED), _LOOSENESS[sensor] * residual
-    root = np.linalg.cholesky(covariance + 1e-12 * np.diag(parameters.standard_deviation**2))
-    found = []
-    for _ in range(count):
-        drawn = theta + root @ rng.standard_normal(len(theta))
-        for name in SPRINGS:
-            at = parameters.at(name)
-            factor = np.exp(loose * rng.standard_normal(at.stop - at.start))
-            drawn[at] = (1.0 + drawn[at]) * factor - 1.0
-        inside = np.clip(drawn, parameters.lower, parameters.upper)
-        member = parameters.individual(inside, gear_phase)
-        damping = np.exp(PRODUCTION.damping * rng.standard_normal(N_AXES))
-        found.append(replace(member, gear_damping=damping))
-    return found
-
-
-def errors(
-    design: RobotDesign,
-    individuals: Sequence[Individual],
-    experiment: Experiment,
-    correction: Array,
-) -> Array:
-    """(n,) [m], tool error of each individual with a correction."""
-    reference = experiment.loaded.reference
-    at_once = max(1, int(SAMPLES_AT_ONCE / len(reference)))
-    found = list[float]()
-    for i in range(0, len(individuals), at_once):
-        runs = design.run(individuals[i : i + at_once], reference, correction)
-        found += [twin_error(experiment, run) for run in runs]
-    return np.array(found)
-
-
-class Factors(NamedTuple):
-    """Expected error and its interval of 90 %, over r."""
-
-    low: float
-    middle: float
-    high: float
-
-
-_FACTORS: Mapping[SensorName, Mapping[int, Factors]] = {
-    "tracker": {
-        10: Factors(0.53, 1.0, 1.7),
-        4: Factors(0.36, 0.84, 1.42),
-        2: Factors(0.24, 0.5, 0.94),
-    },
-    "imu": {10: Factors(0.57, 1.0, 1.92)},
+_FACTORS: Mapping[SensorName, Mapping[int, tuple[float, float, float]]] = {
+    "tracker": {10: (0.53, 1.0, 1.7), 4: (0.36, 0.84, 1.42), 2: (0.24, 0.5, 0.94)},
+    "imu": {10: (0.57, 1.0, 1.92)},
 }
-"""By the sensor and the number of cuts that the twin was identified from."""
+"""Lower end of the interval of 90 %, expected error and upper end, over r; by the sensor and the
+number of cuts that the twin was identified from."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -144,17 +77,6 @@ class Evidence:
     n_cuts: int
     residual: float
     """[m]."""
-
-    @property
-    def factors(self) -> Factors:
-        """Those of the largest number of cuts that is not above n_cuts; of the most below all."""
-        known = _FACTORS[self.sensor]
-        return known[max((n for n in known if n <= self.n_cuts), default=max(known))]
-
-    @property
-    def is_calibrated(self) -> bool:
-        """True where the factors are those of twins of so many cuts or fewer."""
-        return self.n_cuts >= min(_FACTORS[self.sensor])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -179,14 +101,17 @@ def predicted(
     """Prediction from errors in the twin and around it, (n,), all in m."""
     spread = max(float(np.mean(around**2)) - inside**2, 0.0)
     variance = inside**2 + _SPREAD**2 * spread + (_RESIDUAL * evidence.residual) ** 2
-    r, factors = float(np.sqrt(variance)), evidence.factors
+    known, r = _FACTORS[evidence.sensor], float(np.sqrt(variance))
+    # Of the largest number of cuts that is not above this twin's; of the most below all.
+    fitted = max((n for n in known if n <= evidence.n_cuts), default=max(known))
+    low, middle, high = known[fitted]
     return FirstCutPrediction(
         uncorrected=uncorrected,
         inside=inside,
-        expected=factors.middle * r,
-        low=factors.low * r,
-        high=factors.high * r,
-        calibrated=evidence.is_calibrated,
+        expected=middle * r,
+        low=low * r,
+        high=high * r,
+        calibrated=evidence.n_cuts >= min(known),
     )
 
 
@@ -221,22 +146,21 @@ def correct(
     experiment: Experiment,
     evidence: Evidence,
 ) -> Corrected:
-    """Learn the motion of an experiment inside a twin and predict what its correction leaves.
-
-    Args:
-        around: individuals that commissioning cannot tell from the twin.
-        evidence: what the twin was identified from.
-    """
-    learned = learn_in_twin(design, individual, experiment)
-    spread = errors(design, around, experiment, learned.correction)
-    prediction = predicted(float(learned.rms[0]), float(learned.rms.min()), spread, evidence)
+    """Learn the motion of an experiment inside a twin, and predict what its correction leaves by
+    individuals that commissioning cannot tell from it."""
+    learned, rms = learn_in_twin(design, individual, experiment)
+    reference, spread = experiment.loaded.reference, list[float]()
+    at_once = max(1, int(SAMPLES_AT_ONCE / len(reference)))
+    for i in range(0, len(around), at_once):
+        runs = design.run(around[i : i + at_once], reference, learned)
+        spread += [twin_error(experiment, run) for run in runs]
+    prediction = predicted(float(rms[0]), float(rms.min()), np.array(spread), evidence)
     reason = objection(prediction)
-    used = learned.correction if reason is None else np.zeros_like(learned.correction)
-    motors = motor_path(design.run([individual], experiment.loaded.reference, used)[0])
+    used = learned if reason is None else np.zeros_like(learned)
     return Corrected(
         correction=used,
-        learned=learned.correction,
-        motor_path=motors,
+        learned=learned,
+        motor_path=motor_path(design.run([individual], reference, used)[0]),
         prediction=prediction,
         reason=reason,
     )

@@ -41,9 +41,10 @@ _SIGNALS = "signals.parquet"
 CONFIG = b"armside.config"
 """In the metadata of a table that we wrote."""
 _LOG = ("reference", "motor_angle", "motor_torque")
-_TRACKER = ("tracker_x", "tracker_y", "tracker_z")
-_ACCELERATION = tuple(f"imu_acceleration_{c}" for c in "xyz")
-_RATE = tuple(f"imu_angular_velocity_{c}" for c in "xyz")
+_TRACKER, _ACCELERATION, _RATE = (
+    tuple(f"{signal}_{c}" for c in "xyz")
+    for signal in ("tracker", "imu_acceleration", "imu_angular_velocity")
+)
 _SENSORS: Mapping[SensorName, tuple[str, ...]] = {
     "tracker": _TRACKER,
     "imu": (*_ACCELERATION, *_RATE),
@@ -67,7 +68,7 @@ class MeasuredCut:
     """(N, 6) [rad], arm side."""
     motor_torque: Array
     """(N, 6) [N m], motor side."""
-    tool: Array | None
+    tool: Array | None = None
     """(N, 3) [m], displacement of the tool from rest in base axes, by a tracker."""
     rest: Array | None = None
     """(3,) [m], position of the tool at rest in base axes, by the tracker."""
@@ -81,30 +82,19 @@ class MeasuredCut:
 
 
 def measured(run: Pass, name: str = "cut") -> MeasuredCut:
-    """The record of a pass, without its ground truth."""
-    return measured_from(run.recording, run.tracker, name, run.imu)
+    """The record of a pass without its ground truth. Raises ValueError for a beam that was lost."""
+    tool, rest = tracked(run.recording.time, run.tracker, name)
+    return replace(measured_from(run.recording, name), tool=tool, rest=rest, imu=run.imu)
 
 
-def measured_from(
-    log: Recording,
-    tracker: TrackerSamples | None,
-    name: str,
-    imu: ImuSamples | None = None,
-) -> MeasuredCut:
-    """The record of a run and its instruments, without its ground truth.
-
-    Raises ValueError for a beam that was lost.
-    """
-    tool, rest = (None, None) if tracker is None else tracked(log.time, tracker, name)
+def measured_from(log: Recording, name: str) -> MeasuredCut:
+    """The record of a run without its instruments and its ground truth."""
     return MeasuredCut(
         name=name,
         reference=log.reference,
         correction=log.correction,
         motor_angle=log.motor_angle,
         motor_torque=log.motor_torque,
-        tool=tool,
-        rest=rest,
-        imu=imu,
     )
 
 
@@ -139,10 +129,8 @@ def read_cut(source: Path, measure: SensorName = "tracker") -> MeasuredCut:
 
 
 def notes_of_first_run(source: Path) -> list[Note]:
-    """Limits that changed the run that `read_cut` reads, as far as the recording tells.
-
-    Raises InputError for what is no table.
-    """
+    """Limits that changed the run that `read_cut` reads, as far as the recording tells. Raises
+    InputError for what is no table."""
     table = _table(source)
     if CONFIG not in (table.schema.metadata or {}) or missing_columns(table):
         return notes_of_table(table)
@@ -162,41 +150,36 @@ def _cut(table: pa.Table, name: str, measure: SensorName) -> MeasuredCut:
     needed = ["time", *(f"{signal}_{i}" for signal in _LOG for i in AXES), *_SENSORS[measure]]
     if missing := [column for column in needed if column not in table.column_names]:
         raise ValueError(f"it lacks the column {missing[0]}")
-    log = _rows(table, "reference_1")
+    log = table.filter(table["reference_1"].is_valid())
     time = _time(log, "log")
     if len(time) < 2 or np.abs(np.diff(time) - LOG_PERIOD).max() > _CLOCK:
         raise ValueError(f"its log is not at {1 / LOG_PERIOD:g} Hz")
-    signals = {signal: _stack(log, signal) for signal in _LOG}
-    given = f"correction_{AXES[0]}" in table.column_names
-    correction = _stack(log, "correction") if given else np.zeros_like(signals["reference"])
+    reference, angle, torque = (_columns(log, [f"{s}_{i}" for i in AXES]) for s in _LOG)
+    correction = np.zeros_like(reference)
+    if f"correction_{AXES[0]}" in table.column_names:
+        correction = _columns(log, [f"correction_{i}" for i in AXES])
     cut = MeasuredCut(
         name=name,
-        reference=signals["reference"],
+        reference=reference,
         correction=correction,
-        motor_angle=signals["motor_angle"],
-        motor_torque=signals["motor_torque"],
-        tool=None,
+        motor_angle=angle,
+        motor_torque=torque,
     )
     if measure == "imu":
         return replace(cut, imu=_imu(table, float(time[0])))
-    tool, rest = _tracked(table, time, name)
-    return replace(cut, tool=tool, rest=rest)
-
-
-def _tracked(table: pa.Table, time: Array, name: str) -> tuple[Array, Array]:
-    seen = _rows(table, "tracker_x")
-    position = _columns(seen, _TRACKER)
-    own = _time(seen, "tracker")
+    seen = table.filter(table["tracker_x"].is_valid())
+    position, own = _columns(seen, _TRACKER), _time(seen, "tracker")
     if len(own) < 2:
         raise ValueError("it has no samples of a laser tracker")
     valid = np.asarray(np.isfinite(position).all(axis=1))
     samples = TrackerSamples(time=own - time[0], position=position, valid=valid)
-    return tracked(time - time[0], samples, name)
+    tool, rest = tracked(time - time[0], samples, name)
+    return replace(cut, tool=tool, rest=rest)
 
 
 def _imu(table: pa.Table, start: float) -> ImuSamples:
     """Samples on the unit's clock, less the robot's time at the start of the log."""
-    seen, cfg = _rows(table, _ACCELERATION[0]), ImuCfg()
+    seen, cfg = table.filter(table[_ACCELERATION[0]].is_valid()), ImuCfg()
     acceleration, rate = _columns(seen, _ACCELERATION), _columns(seen, _RATE)
     return ImuSamples(
         time=_time(seen, "IMU") - start,
@@ -207,23 +190,11 @@ def _imu(table: pa.Table, start: float) -> ImuSamples:
     )
 
 
-def _rows(table: pa.Table, column: str) -> pa.Table:
-    return table.filter(table[column].is_valid())
-
-
 def _time(table: pa.Table, stream: str) -> Array:
-    time = _numbers(table, "time")
+    time = floats(table, "time")
     check_recorded_time(stream, time)
     return time
 
 
-def _numbers(table: pa.Table, name: str) -> Array:
-    return floats(table, name)
-
-
 def _columns(table: pa.Table, names: Sequence[str]) -> Array:
-    return np.stack([_numbers(table, name) for name in names], axis=1)
-
-
-def _stack(table: pa.Table, signal: str) -> Array:
-    return _columns(table, [f"{signal}_{i}" for i in AXES])
+    return np.stack([floats(table, name) for name in names], axis=1)

@@ -64,7 +64,7 @@ class Against:
     def _tool(self) -> CutComparison:
         return self.sensor.comparison(self.design.model, self.cut)
 
-    def simulated(self, thetas: Sequence[Array]) -> Iterator[Recording]:
+    def _simulated(self, thetas: Sequence[Array]) -> Iterator[Recording]:
         """Runs of the cut by twins of several parameter vectors, a batch in memory at a time."""
         phases = gear_phases(self.design.model)
         for start in range(0, len(thetas), _BATCH):
@@ -74,52 +74,41 @@ class Against:
 
     def residuals(self, theta: Array) -> Residuals:
         """Residuals against one twin."""
-        return self._residuals(next(self.simulated([theta])))
+        return self._residuals(next(self._simulated([theta])))
 
     def linearised(self, theta: Array) -> tuple[Residuals, Columns]:
         """Residuals against one twin, and their sensitivities around it."""
-        friction, rest = _friction_directions(self.parameters), _directions(self.parameters)
-        variants = [theta, *(theta + _STEP * d for d in (*friction.values(), *rest.values()))]
-        runs = self.simulated(variants)
+        parameters = self.parameters
+        m, unit = parameters.size, np.eye(parameters.size)
+        # For each constant of the friction law and each part of the ripple, of all axes at once:
+        # the entry of the first axis, and the entries from one axis to the next.
+        friction = {
+            (start + part, parts): unit[start + part : start + block.size : parts].sum(axis=0)
+            for block in FRICTION
+            for start, parts in [(parameters.at(block.name).start, block.size // N_AXES)]
+            for part in range(parts)
+        }
+        springs = [parameters.at(name) for name in ("mass", *SPRINGS, *BENDING, "lost_motion")]
+        rest = [i for block in springs for i in range(block.start, block.stop)]
+        directions = (*friction.values(), *(unit[i] for i in rest))
+        variants = [theta, *(theta + _STEP * direction for direction in directions)]
+        runs = self._simulated(variants)
         base = next(runs)
-        torque = np.zeros((*base.motor_torque.shape, self.parameters.size))
+        torque = np.zeros((*base.motor_torque.shape, m))
         for (first, parts), run in zip(friction, runs, strict=False):
             change = (run.motor_torque - base.motor_torque) / _STEP
             for axis in range(N_AXES):
                 torque[:, axis, first + axis * parts] = change[:, axis]
         residuals = self._residuals(base)
-        tool = np.zeros((*residuals.tool.shape, self.parameters.size))
-        mass = self.parameters.at("mass")
+        tool = np.zeros((*residuals.tool.shape, m))
         for entry, run in zip(rest, runs, strict=True):
             tool[:, :, entry] = self._tool.change(base, run) / _STEP
-            if mass.start <= entry < mass.stop:
+            if entry in range(m)[parameters.at("mass")]:
                 torque[:, :, entry] = (run.motor_torque - base.motor_torque) / _STEP
         for block, sensitive in self._tool.by_kinematics().items():
-            tool[:, :, self.parameters.at(block)] = sensitive
+            tool[:, :, parameters.at(block)] = sensitive
         return residuals, Columns(torque, tool)
 
     def _residuals(self, run: Recording) -> Residuals:
         torque = self.cut.motor_torque - run.motor_torque
         return Residuals(torque, self._tool.residual(run), self.cut.moving)
-
-
-def _friction_directions(parameters: Parameters) -> dict[tuple[int, int], Array]:
-    """Directions in theta, one for each constant of the friction law and each part of the ripple.
-
-    By the entry of the first axis, and the entries from one axis to the next.
-    """
-    directions = {}
-    for block in FRICTION:
-        start, parts = parameters.at(block.name).start, block.size // N_AXES
-        for part in range(parts):
-            direction = np.zeros(parameters.size)
-            direction[start + part : start + block.size : parts] = 1.0
-            directions[start + part, parts] = direction
-    return directions
-
-
-def _directions(parameters: Parameters) -> dict[int, Array]:
-    """Directions in theta, one for each mass, spring and lost motion, by their entry."""
-    blocks = [parameters.at(name) for name in ("mass", *SPRINGS, *BENDING, "lost_motion")]
-    unit = np.eye(parameters.size)
-    return {i: unit[i] for block in blocks for i in range(block.start, block.stop)}

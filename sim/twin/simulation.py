@@ -57,8 +57,7 @@ class BendingLink:
         turns = np.column_stack((np.cos(DIRECTIONS), np.sin(DIRECTIONS)))
         values, vectors = np.linalg.eigh((turns.T * compliance) @ turns)
         axes = vectors.T @ np.array(self.across)
-        k = self.stiffness / np.maximum(values, _STIFFEST)
-        at = tuple(place * np.array(self.end))
+        at, k = tuple(place * np.array(self.end)), self.stiffness / np.maximum(values, _STIFFEST)
         return [
             HiddenHinge(
                 body=self.body,
@@ -86,9 +85,8 @@ MEAN = 0.5
 def hinges(compliance: Array, place: Array) -> tuple[HiddenHinge, ...]:
     """Hinges of all links.
 
-    Args:
-        compliance: (3, 4), of each link about its directions, beyond that of the design.
-        place: (3,), beyond the middle of the link, as a fraction of its length.
+    compliance: (3, 4), of each about its directions, beyond the design's; place: (3,), beyond the
+    middle of the link, as a fraction of its length.
     """
     each = zip(LINKS, MEAN + compliance, MIDDLE + place, strict=True)
     return tuple(hinge for link, *values in each for hinge in link.hinges(*values))
@@ -132,27 +130,20 @@ class RobotDesign:
         self, individuals: Sequence[Individual], reference: Array
     ) -> list[LoadedReference]:
         """As `load`; the controller, which is the same for all, computes its part once."""
-        nominal = Statics(self.nominal or self.model)
-        robots = [self._robot(individual, nominal, reference) for individual in individuals]
+        nominal, known = Statics(self.nominal or self.model), available(self.model)
+        robots = []
+        for one in individuals:
+            base, own = bent(self.model, one.hidden), replace(one, hidden=())
+            model = embodied(base, own, known, phi=reference[0], payload=self.payload)
+            robots.append(VirtualRobot(model, nominal=nominal))
         commanded = robots[0].commanded(reference)
         return [robot.load(commanded) for robot in robots]
-
-    def _robot(self, individual: Individual, nominal: Statics, reference: Array) -> VirtualRobot:
-        model = embodied(
-            bent(self.model, individual.hidden),
-            replace(individual, hidden=()),
-            available(self.model),
-            phi=reference[0],
-            payload=self.payload,
-        )
-        return VirtualRobot(model, nominal=nominal)
 
     def run(
         self, individuals: Sequence[Individual], reference: Array, correction: Array
     ) -> list[Recording]:
         """Noise-free runs of the same cut by several individuals, on all cores."""
-        loaded = self._load_all(individuals, reference)
-        n = len(loaded)
+        loaded, n = self._load_all(individuals, reference), len(individuals)
         return run_batch(loaded, [correction] * n, [None] * n, threads=min(n, cores()))
 
 

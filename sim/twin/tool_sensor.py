@@ -39,11 +39,8 @@ def _configurations(model: RobotModel, phi: Array) -> Iterator[tuple[int, mujoco
 
 
 def jacobians(model: RobotModel, phi: Array) -> tuple[Array, Array]:
-    """Jacobian (N, 3, 6) of the tool's position, and columns (N, 3, 36) of geometry errors.
-
-    phi: (N, 6) [rad], motor angles. Geometry: positions (6, 3) [m] in the
-    axes of the parent, orientations (6, 3) [rad] in those of the body, as in `Individual`.
-    """
+    """Jacobian (N, 3, 6) of the tool's position at motor angles (N, 6) [rad], and columns (N, 3,
+    36) of geometry errors: positions [m] and orientations [rad] as in `Individual`."""
     mj, site = model.mj, model.mj.site("tool0").id
     bodies = [int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id]) for i in AXES]
     jacobian, out = np.empty((3, mj.nv)), np.empty((len(phi), 3, N_AXES))
@@ -73,22 +70,11 @@ def rigid_path(model: RobotModel, phi: Array) -> Array:
 
 
 def gear_waves(model: RobotModel, phi: Array) -> Array:
-    """(N, 6, 4, 2) [rad]: (sine, cosine) of each axis and order at motor angles phi (N, 6) [rad].
-
-    Of the amplitudes of the design.
-    """
+    """(N, 6, 4, 2) [rad]: (sine, cosine) of each axis and order at motor angles phi (N, 6) [rad],
+    of the amplitudes of the design."""
     amplitude, order = gear_orders(model)
     angle = order * phi[:, :, None]
     return amplitude[..., None] * np.stack((np.sin(angle), np.cos(angle)), axis=-1)
-
-
-def gear_error_columns(model: RobotModel, phi: Array, jacobian: Array) -> Array:
-    """(N, 3, 6 * 4 * 2): tool displacement [m] for (sine, cosine) of each axis and order.
-
-    Relative to the amplitudes of the design.
-    """
-    waves = gear_waves(model, phi)
-    return (jacobian[:, :, :, None, None] * waves[:, None]).reshape(len(phi), 3, -1)
 
 
 def from_rest(columns: Array) -> Array:
@@ -112,7 +98,7 @@ class ImuKinematics:
     @property
     def reading(self) -> Array:
         """(N, 3) [m/s^2], specific force in the housing's axes."""
-        return self._in_housing(self.force)
+        return _rotated(self.R_base_imu, self.force)
 
     def change(self, phi: Array) -> Array:
         """(N, 3, ...) [m/s^2], change of the reading by motor angles (N, 6, ...) [rad]."""
@@ -120,10 +106,11 @@ class ImuKinematics:
         rate = np.gradient(moved[:, :3], self.period, axis=0)
         force = self.force.reshape(*self.force.shape, *[1] * (moved.ndim - 2))
         tilted = np.cross(moved[:, 3:], force, axis=1)
-        return self._in_housing(np.gradient(rate, self.period, axis=0) - tilted)
+        return _rotated(self.R_base_imu, np.gradient(rate, self.period, axis=0) - tilted)
 
-    def _in_housing(self, vector: Array) -> Array:
-        return np.asarray(np.einsum("kba,kb...->ka...", self.R_base_imu, vector))
+
+def _rotated(R_base_imu: Array, vector: Array) -> Array:
+    return np.asarray(np.einsum("kba,kb...->ka...", R_base_imu, vector))
 
 
 def imu_kinematics(model: RobotModel, phi: Array, period: float) -> ImuKinematics:
@@ -228,9 +215,11 @@ class TrackerComparison:
 
     def by_kinematics(self) -> Mapping[str, Array]:
         jacobian, geometry = self._kinematics
-        errors = gear_error_columns(self.model, self.cut.motor_angle, jacobian)
+        waves = gear_waves(self.model, self.cut.motor_angle)
+        errors = jacobian[:, :, :, None, None] * waves[:, None]
         position, orientation = np.split(from_rest(geometry), 2, axis=2)
-        return {"gear_error": from_rest(errors), "position": position, "orientation": orientation}
+        errors = from_rest(errors.reshape(*jacobian.shape[:2], -1))
+        return {"gear_error": errors, "position": position, "orientation": orientation}
 
     def _by_motors(self, moved: Array) -> Array:
         return from_rest(np.einsum("kij,kj->ki", self._kinematics[0], moved))

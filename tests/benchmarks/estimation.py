@@ -6,7 +6,6 @@ from dataclasses import replace
 from tests.sim.estimation.extended_arm import ExtendedArm
 
 from armside import kinematics
-from armside.sim.estimation.arm_filter import ProcessNoise
 from armside.sim.estimation.elasticity import nominal_elasticity
 from armside.sim.estimation.estimator import ToolEstimator
 from armside.sim.estimation.identification import identify
@@ -32,7 +31,7 @@ def measured() -> Sequence[Row]:
         nominal_elasticity(experiment.nominal, arm),
     )
     found = identify(motion, nominal, samples, imu).parameters
-    known = ToolEstimator(arm, found, imu, ProcessNoise(), motion)
+    known = ToolEstimator(arm, found, imu, motion)
     gears = replace(COMPARED, structure=False)
     full = ExtendedArm(
         gears.commissioned(experiment, gears.assumed(experiment), first).known.estimator,
@@ -40,7 +39,7 @@ def measured() -> Sequence[Row]:
     )
 
     def set_up() -> object:
-        fresh = ToolEstimator(arm, found, imu, ProcessNoise(), motion)
+        fresh = ToolEstimator(arm, found, imu, motion)
         return fresh(log.time, log.motor_angle, samples)
 
     with_identification = "estimate-based experiment, six runs, identification included"

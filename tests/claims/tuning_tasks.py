@@ -156,7 +156,7 @@ def _logs(
         now = rules.advance(now, design)
         if now.diverged:
             return LARGEST, LARGEST, rules.criterion(design)
-    held = rules.held(now, rules.predicted(now, design)[0])
+    held = rules.held(now, design)
     criterion = rules.criterion(design)
     if held.diverged or criterion >= 1.0:
         return LARGEST, LARGEST, criterion

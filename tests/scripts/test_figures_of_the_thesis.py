@@ -117,7 +117,7 @@ def test_residuals_of_a_twin_are_titled_by_what_is_subtracted(tmp_path, drawn, m
     quality = SimpleNamespace(held_out=[5e-5, 4e-5], within=[2e-5, 3e-5])
     parameters = SimpleNamespace(mean=np.zeros(1))
     twin = SimpleNamespace(sensor="tracker", design=None, parameters=parameters)
-    found = SimpleNamespace(twin=twin, identified=SimpleNamespace(quality=quality))
+    found = SimpleNamespace(twin=twin, identified=quality)
     cuts = [SimpleNamespace(name=name) for name in ("a", "b")]
     commission.residuals(tmp_path / "r.png", found, cuts)
     (axes,) = drawn[0].axes

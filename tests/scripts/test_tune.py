@@ -18,7 +18,7 @@ from armside.scripts.studies.tune_report import results
 from armside.sim.laser.design import THESIS, Design
 from armside.sim.robot.individual import Individual
 from armside.sim.tuning import objective as tuning_objective
-from armside.sim.tuning import situation
+from armside.sim.tuning import rules as tuning_rules
 from armside.sim.tuning.objective import WORST, Ratio, prepare
 from armside.sim.tuning.rules import HORIZON, Rules
 
@@ -173,9 +173,9 @@ def test_the_model_foresees_the_end_of_learning_in_two_runs(monkeypatch):
     way. Friction, which the model has not, leaves up to 0.2 more (logarithm)."""
     task = {"pose": "p1", "speed": 0.060, "payload": 40.0, "individual": Individual()}
     real = np.array([learned(design, task) for design in DIFFERENT])
-    runs, run = [], situation._run
+    runs, run = [], tuning_rules.run
     with tuning_objective.Objective(Rules(), prepare(Rules(), [0], task)) as objective:
-        monkeypatch.setattr(situation, "_run", lambda *given: runs.append(given) or run(*given))
+        monkeypatch.setattr(tuning_rules, "run", lambda *given: runs.append(given) or run(*given))
         foreseen = np.array([np.log(objective.foreseen(design).true) for design in DIFFERENT])
     assert len(runs) == 2 * len(DIFFERENT)
     assert (np.diff(real) > 0.0).all()

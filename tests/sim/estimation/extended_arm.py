@@ -14,7 +14,7 @@ import numpy as np
 
 from armside import kinematics
 from armside.arrays import Array
-from armside.ilc.estimation.extended import ExtendedResult, extended
+from armside.ilc.estimation.extended import extended
 from armside.ilc.estimation.process import exponential, sampled_noise
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.kinematics.robots import IMU_LINKS
@@ -43,7 +43,7 @@ def start_covariance(model: ArmFilter) -> Array:
         low, noise = 2 * n + 6 * k, triad.noise_density * np.sqrt(triad.bandwidth)
         P[low : low + 3] = noise**2
         P[low + 3 : low + 6] = (noise * 2.0 * np.pi * triad.bandwidth) ** 2
-    P[m:-6] = (model.process_noise.torque(model.arm) * START_TORQUE) ** 2
+    P[m:-6] = (model.torque * START_TORQUE) ** 2
     P[-6:-3] = (10.0 * imu.accelerometer.bias + 9.82 * 0.05) ** 2
     P[-3:] = (10.0 * imu.gyroscope.bias + 1e-3) ** 2
     return np.diag(P)
@@ -58,7 +58,6 @@ class ExtendedEstimate:
     filtered: Array
     """(N, 3) [m], displacement from the first sample."""
     smoothed: Array
-    result: ExtendedResult
 
 
 class ExtendedArm:
@@ -67,27 +66,16 @@ class ExtendedArm:
     Gears are linear springs here.
     """
 
-    def __init__(
-        self,
-        known: ToolEstimator,
-        robot: kinematics.Robot,
-        imu_links: tuple[kinematics.Link, ...] = IMU_LINKS,
-    ) -> None:
-        """robot: D-H description of the arm, tool at its end; imu_links: from there to the IMU.
-
-        Raises ValueError for an arm with degrees of freedom beyond its axes.
-        """
+    def __init__(self, known: ToolEstimator, robot: kinematics.Robot) -> None:
+        """robot: D-H description of the arm, whose free joints are its axes, tool at its end."""
         self.known, self.model = known, known.models[0]
         gears = self.model.arm
         self._arm = known.arm.with_springs(gears.stiffness, gears.damping)
-        if self.model.n_free != robot.n_joints:
-            raise ValueError(
-                f"the full filter has {robot.n_joints} axes, the arm {self.model.n_free}"
-            )
+        assert self.model.n_free == robot.n_joints
         self._motion_of = known.arm.motion
         self._data = self._motion_of.data()
         self._tool = kinematics.compile(robot)
-        with_imu = replace(robot, links=(*robot.links, *imu_links), name=f"{robot.name} with IMU")
+        with_imu = replace(robot, links=(*robot.links, *IMU_LINKS), name=f"{robot.name} with IMU")
         self._sensor = kinematics.compile_measurement(with_imu)
 
     def __call__(self, time: Array, motor_angle: Array, samples: ImuSamples) -> ExtendedEstimate:
@@ -112,8 +100,7 @@ class ExtendedArm:
             lambda i, x: (model.C @ x, model.C),
             *(y, Q, model.reading_covariance, start, start_covariance(model)),
         )
-        filtered, smoothed = self._path(result.filtered), self._path(result.smoothed)
-        return ExtendedEstimate(fine, filtered, smoothed, result)
+        return ExtendedEstimate(fine, self._path(result.filtered), self._path(result.smoothed))
 
     def _on_steps(self, fine: Array, samples: ImuSamples) -> Array:
         """(N, 6): readings at the filter's instants, NaN between them.
@@ -151,7 +138,10 @@ class ExtendedArm:
         q, q_dot, torque, pull = x[:n], x[n : 2 * n], x[m : m + n], np.empty(n)
         spring = arm.stiffness * (u[:n] - q[axes]) + arm.damping * (u[n:] - q_dot[axes])
         pull[axes] = spring + torque
-        mass, missing = self._forces(q, q_dot, pull)
+        data, motion = self._data, self._motion_of
+        motion.move(data, q, q_dot, np.zeros_like(q))
+        mujoco.mj_inverse(motion.mj, data)
+        mass, missing = motion.mass(data), pull - motion.forces(data, data.qfrc_inverse)
         q_ddot: Array = np.asarray(np.linalg.solve(mass, missing), dtype=np.float64)
         local = self._linearised(mass, q, q_dot, q_ddot)
         rate = local.A @ x
@@ -165,12 +155,6 @@ class ExtendedArm:
             rate[low + 3] = omega**2 * (ideal - x[low]) - np.sqrt(2.0) * omega * x[low + 3]
         return rate, reading, local
 
-    def _forces(self, q: Array, q_dot: Array, pull: Array) -> tuple[Array, Array]:
-        data, motion = self._data, self._motion_of
-        motion.move(data, q, q_dot, np.zeros_like(q))
-        mujoco.mj_inverse(motion.mj, data)
-        return motion.mass(data), pull - motion.forces(data, data.qfrc_inverse)
-
     def _linearised(self, mass: Array, q: Array, q_dot: Array, q_ddot: Array) -> ArmFilter:
         """The filter's matrices with the mass and the measurement's gradient of this state."""
         model, n, axes = self.model, self.model.n_free, self.model.arm.axes
@@ -179,7 +163,7 @@ class ExtendedArm:
         J[:3, axes], J[3:, axes] = H[n + 3 :, 2 * n :], H[n : n + 3, n : 2 * n]
         gravity[:, axes] = H[n + 3 :, :n]
         moved = replace(model.arm, mass=mass, imu_jacobian=J, imu_gravity=gravity)
-        return arm_filter(moved, model.imu, model.process_noise)
+        return arm_filter(moved, model.imu, self.known.parameters.process_noise)
 
     def _path(self, states: Array) -> Array:
         """(N, 3): the tool's displacement from rest."""

@@ -35,7 +35,8 @@ def dragged(arm: NominalArm, phi: Array, phi_dot: Array) -> Motion:
     initial = np.empty(mujoco.mj_stateSize(mj, whole))
     mujoco.mj_getState(mj, data, initial, whole)
     with Rollout(nthread=0) as rollout:
-        controls = arm.spring_input(phi, phi_dot)
+        # K (phi - q) + D (phi' - q') = K (control - q) - D q'
+        controls = phi + arm.damping / arm.stiffness * phi_dot
         result = rollout.rollout([mj], [data], initial[None], controls[None])
     states, sensors = (np.asarray(part, dtype=np.float64)[0] for part in result)
     moved = np.vstack((initial, states[:-1]))  # a state row belongs to the end of its step

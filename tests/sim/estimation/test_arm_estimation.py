@@ -13,10 +13,9 @@ from armside.ilc.estimation.kalman import Smoother
 from armside.ilc.estimation.wiener import NonCausal
 from armside.kinematics.robots import IMU_LINKS
 from armside.sim.cell import ToolPose
-from armside.sim.estimation.arm_filter import ProcessNoise
 from armside.sim.estimation.commissioning import UNIDENTIFIED, commission
 from armside.sim.estimation.deflection import deflection, explained, residual
-from armside.sim.estimation.elasticity import ArmParameters
+from armside.sim.estimation.elasticity import ArmParameters, Elasticity
 from armside.sim.estimation.estimator import ToolEstimator, tool_path, validity
 from armside.sim.estimation.imu_health import ImuError, repaired
 from armside.sim.estimation.linearised_arm import linearised
@@ -39,21 +38,21 @@ def known(first):
     return commissioned(first)
 
 
+def estimated(known, run, samples=None):
+    """What the estimator of a cut makes of a run, or of its log with other samples."""
+    log, samples = run.recording, repaired(run.imu, IMU) if samples is None else samples
+    return known.estimator(log.time, log.motor_angle, samples)
+
+
 @pytest.fixture(scope="module")
 def on_gears(first, known):
     """Estimator of the same run on an arm of linear gears alone."""
     arm = ToolPath(structure=False).assumed(prepare(CUT))
     motion = rigid_motion(arm, first.recording.time, first.recording.motor_angle)
-    springs = replace(
-        known.nominal,
-        stiffness=0.6 * arm.stiffness,
-        damping=arm.damping,
-        axes=arm.axes,
-        softening=np.zeros(6),
-        lost_motion=np.zeros(6),
-    )
+    none = np.zeros(6)
+    springs = Elasticity(0.6 * arm.stiffness, arm.damping, arm.axes, none, none)
     found = replace(known.parameters, springs=springs)
-    return ToolEstimator(arm, found, IMU, ProcessNoise(), motion)
+    return ToolEstimator(arm, found, IMU, motion)
 
 
 def test_measurement_matrices_are_those_of_the_toolbox(on_gears):
@@ -95,9 +94,8 @@ def test_full_filter_deviation_form_and_frequency_domain_agree(first, on_gears):
 
 
 def test_identification_makes_the_estimate_five_times_better_than_the_motors(first, known):
-    log = first.recording
-    estimate = known.estimator(log.time, log.motor_angle, repaired(first.imu, IMU))
-    assert path_error(estimate.displacement, first) <= path_error(rigid_path(first), first) / 5.0
+    path = estimated(known, first).displacement
+    assert path_error(path, first) <= path_error(rigid_path(first), first) / 5.0
 
 
 def test_motor_angles_and_wrong_springs_alone_are_not_enough(first, known):
@@ -125,8 +123,7 @@ def test_clock_offset_is_found_to_a_millisecond(known):
 
 
 def test_innovations_have_the_size_the_filter_expects(first, known):
-    log = first.recording
-    e = known.estimator(log.time, log.motor_angle, repaired(first.imu, IMU)).innovation
+    e = estimated(known, first).innovation
     nis = normalised_squared(e, np.eye(6)[None])
     assert 0.7 * 6 < nis.mean() < 1.5 * 6
 
@@ -135,8 +132,8 @@ def test_no_estimator_reads_the_truth(first, known):
     """The same log with another truth gives the same estimate, bit for bit."""
     log = first.recording
     other = replace(log, truth=replace(log.truth, tool_position=log.truth.tool_position + 1.0))
-    samples = repaired(first.imu, IMU)
-    paths = [known.estimator(r.time, r.motor_angle, samples).displacement for r in (log, other)]
+    runs = first, replace(first, recording=other)
+    paths = [estimated(known, run).displacement for run in runs]
     assert np.array_equal(*paths)
 
 
@@ -144,23 +141,20 @@ def test_readings_that_no_spring_explains_are_not_learned_from(first, known):
     log, samples = first.recording, repaired(first.imu, IMU)
     shaken = samples.acceleration.copy()
     shaken[:, 0] += 500.0 * np.sin(2.0 * np.pi * 10.0 * samples.time) * (samples.time > 0.3)
-    found = known.estimator(log.time, log.motor_angle, replace(samples, acceleration=shaken))
+    found = estimated(known, first, replace(samples, acceleration=shaken))
     assert not validity(found, log.time).weight.any()
-    sound = known.estimator(log.time, log.motor_angle, samples)
-    assert validity(sound, log.time).weight.all()
+    assert validity(estimated(known, first), log.time).weight.all()
 
 
 def test_single_lost_and_clipped_samples_are_bridged(first, known):
-    log, imu = first.recording, first.imu
+    imu = first.imu
     keep = np.ones(len(imu.time), dtype=bool)
     keep[60:64] = False
     clipped = imu.acceleration_clipped.copy()
     clipped[80] = True
     gappy = kept(replace(imu, acceleration_clipped=clipped), keep)
-    whole, bridged = (
-        known.estimator(log.time, log.motor_angle, repaired(s, IMU)).displacement
-        for s in (imu, gappy)
-    )
+    runs = first, replace(first, imu=gappy)
+    whole, bridged = (estimated(known, run).displacement for run in runs)
     assert 0.0 < spread(whole, bridged) < 5e-6
 
 
@@ -176,9 +170,8 @@ def test_another_units_clock_and_mounting_are_found_again_on_known_springs(known
     assert own.parameters.clock_offset == pytest.approx(unit.clock_offset, abs=1.5e-3)
     assert abs(known.parameters.clock_offset - unit.clock_offset) > 3e-3
     assert own.parameters.springs is known.parameters.springs
-    log = other.recording
-    estimate = own.estimator(log.time, log.motor_angle, repaired(other.imu, IMU))
-    assert path_error(estimate.displacement, other) <= path_error(rigid_path(other), other) / 5.0
+    path = estimated(own, other).displacement
+    assert path_error(path, other) <= path_error(rigid_path(other), other) / 5.0
 
 
 def test_springs_that_leave_too_much_unexplained_are_refused_without_blaming_the_imu(first, known):

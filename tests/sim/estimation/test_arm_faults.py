@@ -11,35 +11,22 @@ from armside.sim.estimation.imu_health import Fault, ImuError
 from .one_cut import commissioned, kept
 
 
-def _disordered(imu):
-    time = imu.time.copy()
-    time[50:52] = time[51], time[50]
-    return replace(imu, time=time)
+def spoiled(name, rows, value):
+    """Samples with another value in some rows of a signal."""
 
+    def spoil(imu):
+        values = getattr(imu, name).copy()
+        values[rows] = value
+        return replace(imu, **{name: values})
 
-def _dead(imu):
-    still = imu.angular_velocity.copy()
-    still[:, 2] = 0.01
-    return replace(imu, angular_velocity=still)
-
-
-def _clipping(imu):
-    clipped = imu.acceleration_clipped.copy()
-    clipped[::3] = True
-    return replace(imu, acceleration_clipped=clipped)
-
-
-def _broken(imu):
-    broken = imu.acceleration.copy()
-    broken[7] = np.nan
-    return replace(imu, acceleration=broken)
+    return spoil
 
 
 FAULTS = {
-    Fault.OUT_OF_ORDER: _disordered,
-    Fault.DEAD: _dead,
-    Fault.CLIPPED: _clipping,
-    Fault.NOT_FINITE: _broken,
+    Fault.OUT_OF_ORDER: lambda imu: spoiled("time", np.s_[50:52], imu.time[[51, 50]])(imu),
+    Fault.DEAD: spoiled("angular_velocity", np.s_[:, 2], 0.01),
+    Fault.CLIPPED: spoiled("acceleration_clipped", np.s_[::3], True),
+    Fault.NOT_FINITE: spoiled("acceleration", 7, np.nan),
     Fault.LOST: lambda imu: kept(imu, np.arange(len(imu.time)) % 3 > 0),
     Fault.TOO_SHORT: lambda imu: kept(imu, np.arange(len(imu.time)) < 20),
     Fault.UNEVEN: lambda imu: replace(imu, time=imu.time * 1.02),
@@ -55,21 +42,17 @@ def test_a_faulty_imu_is_named_and_learning_refuses_to_start(fault, first):
 
 
 def test_or_it_goes_on_without_the_imu_if_told_so(first):
-    bad = replace(first, imu=_dead(first.imu))
+    bad = replace(first, imu=FAULTS[Fault.DEAD](first.imu))
     known = commissioned(bad, Commissioning(on_fault=OnFault.GO_ON))
     assert known.fault is not None
     assert known.fault.fault is Fault.DEAD
     assert known.identified is None
 
 
-@pytest.mark.parametrize(
-    "turn",
-    [
-        (0.0, 0.0, 0.0, 1.2, 0.8, 2.0),
-        (0.0, 0.3, -0.3, 0.0, 0.3, 0.0),
-        (0.0, 0.0, 0.0, 0.0, 0.0, 0.5),
-    ],
-)
+TURNS = [0, 0, 0, 1.2, 0.8, 2.0], [0, 0.3, -0.3, 0, 0.3, 0], [0, 0, 0, 0, 0, 0.5]
+
+
+@pytest.mark.parametrize("turn", TURNS)
 def test_a_model_of_another_robot_is_refused(turn, first):
     """The same arm in another posture, or with its flange turned: another robot to the IMU."""
     turned = first.recording.motor_angle + np.array(turn)

@@ -5,8 +5,8 @@ import pytest
 from scipy.linalg import solve_continuous_lyapunov
 
 from armside import assets
-from armside.sim.estimation.arm_filter import ProcessNoise, arm_filter
-from armside.sim.estimation.linearised_arm import linearised
+from armside.sim.estimation.arm_filter import arm_filter
+from armside.sim.estimation.linearised_arm import imu_kinematics, linearised
 from armside.sim.estimation.nominal import nominal_arm
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.robot.model import load_model
@@ -46,14 +46,12 @@ def test_each_triad_has_the_low_pass_and_the_noise_of_its_data_sheet(model, k):
 
 
 def test_the_unexplained_torque_has_its_size_and_corner(model):
-    noise, m = ProcessNoise(), model.n_mechanical
-    own = np.arange(m, m + 6)
+    own = model.n_mechanical + np.arange(6)
     A, W = model.A[np.ix_(own, own)], model.intensity[np.ix_(own, own)]
     assert np.linalg.eigvals(A) == pytest.approx(np.full(6, -2 * np.pi * 20.0))
     std = np.sqrt(np.diag(solve_continuous_lyapunov(A, -W)))
-    stiffness = model.arm.stiffness
-    assert std == pytest.approx(0.05 * 6e-5 * stiffness)
-    assert std == pytest.approx(noise.torque(model.arm))
+    assert std == pytest.approx(0.05 * 6e-5 * model.arm.stiffness)
+    assert std == pytest.approx(model.torque)
 
 
 def test_readings_are_low_passed_motion_and_bias(model):
@@ -84,5 +82,6 @@ def test_an_accelerometer_sees_motion_and_tilt_and_a_gyro_sees_the_rate(model):
         assert rate[low_pass(model, k)[1]] == pytest.approx(omega**2 * expected)
     # a tilt of the IMU by theta moves theta x g into its axes
     tilt = arm.imu_jacobian[3:]
-    expected = np.cross(arm.imu_up[None], tilt.T).T
+    *_, up = imu_kinematics(nominal_arm(load_model(assets.LARGE_ROBOT_XML)).motion, arm.q[None])
+    expected = np.cross(up, tilt.T).T
     assert arm.imu_gravity == pytest.approx(expected, rel=1e-3, abs=1e-3)

@@ -28,10 +28,13 @@ def test_viscous_friction_of_a_motor_acts_as_damping_of_its_servo_at_rest():
     share = drives.velocity_feedforward * drives.kd / kd  # of the reference's speed, as before
     damped = replace(drives, kd=kd, velocity_feedforward=share)
     omega = 2.0 * np.pi * np.array([0.5, 3.0, 8.0, 12.0, 20.0]) * 0.004
-    by_friction = ArmPlant(robot=replace(robot, mj=rubbing), arm=arm, period=0.004).response(omega)
-    by_servo = ArmPlant(
-        robot=replace(robot, mj=free, drives=damped), arm=arm, period=0.004
-    ).response(omega)
-    none = ArmPlant(robot=replace(robot, mj=free), arm=arm, period=0.004).response(omega)
+    robots = (
+        replace(robot, mj=rubbing),
+        replace(robot, mj=free, drives=damped),
+        replace(robot, mj=free),
+    )
+    by_friction, by_servo, none = (
+        ArmPlant(robot=one, arm=arm, period=0.004).response(omega) for one in robots
+    )
     np.testing.assert_allclose(by_friction, by_servo, rtol=1e-9, atol=1e-9)
     assert np.abs(none - by_friction).max() > 0.01 * np.abs(none).max()

@@ -19,6 +19,9 @@ from armside.sim.estimation.nominal import NominalCfg, nominal_arm
 from armside.sim.estimation.relative_path import relative_to_start
 from armside.sim.estimation.rigid_motion import rigid_motion
 from armside.sim.estimation.structure import with_structure
+from armside.sim.laser import Cut, prepare
+from armside.sim.laser.loop import first_run
+from armside.sim.robot.effects import Effect
 from armside.sim.robot.linkage import FreeMotion
 from armside.sim.robot.mjcf import ModelError
 from armside.sim.robot.model import load_model, robot_model
@@ -39,10 +42,15 @@ def arm(robot):
     return nominal_arm(robot)
 
 
-def test_passive_joints_are_no_free_joints(robot, arm):
+@pytest.fixture(scope="module")
+def structural(robot):
+    """The arm with its structure."""
+    return nominal_arm(robot, NominalCfg(structure=True))
+
+
+def test_passive_joints_are_no_free_joints(arm, structural):
     assert (arm.n_free, arm.mj.nv) == (AXES, AXES + 2)
-    structure = nominal_arm(robot, NominalCfg(structure=True))
-    assert (structure.n_free, structure.mj.nv) == (AXES + 6, AXES + 9)
+    assert (structural.n_free, structural.mj.nv) == (AXES + 6, AXES + 9)
 
 
 @pytest.mark.parametrize("structure", [False, True])
@@ -84,9 +92,8 @@ def test_springs_across_the_axes_of_a_linkage_leave_the_rigid_arm_as_it_is(robot
     """Those of axis 3, which a crank drives, stand behind the elbow that follows it."""
     arm = nominal_arm(with_structure(robot), NominalCfg(structure=True))
     assert (arm.n_free, arm.mj.nv) == (AXES + 6, AXES + 9)
-    bodies = [
-        arm.mj.body(int(arm.mj.jnt_bodyid[arm.mj.joint(f"across_{i}").id])).name for i in range(6)
-    ]
+    hinges = [arm.mj.joint(f"across_{i}").id for i in range(6)]
+    bodies = [arm.mj.body(int(body)).name for body in arm.mj.jnt_bodyid[hinges]]
     assert bodies == ["frame"] * 2 + ["lower_arm"] * 2 + ["upper_arm"] * 2
     phi = PHI + 0.1 * np.random.default_rng(3).standard_normal((20, AXES))
     assert positions(arm, phi) == pytest.approx(positions(nominal_arm(robot), phi), abs=1e-9)
@@ -109,12 +116,11 @@ def test_deflection_along_a_linkage_is_the_motion_of_its_rollout(robot):
     assert np.abs(found - whole).max() < 0.1 * np.abs(rigid - whole).max()
 
 
-def test_whole_motion_of_the_linkage_is_that_of_its_positions(robot):
+def test_whole_motion_of_the_linkage_is_that_of_its_positions(structural):
     """Rates and accelerations of the passive joints against differences of closed positions."""
-    arm = nominal_arm(robot, NominalCfg(structure=True))
-    motion, step = arm.motion, 1e-4
+    motion, step = structural.motion, 1e-4
     rng = np.random.default_rng(2)
-    q, rate, acceleration = (0.2 * rng.standard_normal((3, arm.n_free))).reshape(3, -1)
+    q, rate, acceleration = 0.2 * rng.standard_normal((3, structural.n_free))
     data, whole = motion.data(), []
     for t in (-step, 0.0, step):
         motion.place(data, q + rate * t + acceleration * t**2 / 2.0)
@@ -141,16 +147,11 @@ def test_a_chain_without_cuts_is_left_as_it_is():
     assert motion.joints.tolist() == [0]
 
 
-def test_the_path_of_an_observer_of_the_robot_itself_is_the_robots(robot):
+def test_the_path_of_an_observer_of_the_robot_itself_is_the_robots(structural):
     """Structure known, exact angles: what is left is the constraint of the two rollouts."""
-    from armside.sim.laser import Cut, prepare
-    from armside.sim.laser.loop import first_run
-    from armside.sim.robot.effects import Effect
-
     truth = first_run(prepare(Cut(robot="irb1400", without=tuple(Effect)))).recording.truth
-    arm = nominal_arm(robot, NominalCfg(structure=True))
     rate = np.gradient(truth.motor_angle, truth.time[1], axis=0)
-    motion = dragged(arm, truth.motor_angle, rate)
+    motion = dragged(structural, truth.motor_angle, rate)
     path, true = map(relative_to_start, (motion.tool_position[::8], truth.tool_position[::8]))
     assert np.abs(path - true).max() <= 1e-6
 

@@ -31,6 +31,6 @@ def test_factors_of_damping_tell_gears_from_the_structure():
 
 def test_parameters_of_arrays_are_told_apart_as_objects():
     """So that a set-up that holds them can be compared and be a key."""
-    known = parameters_at(SPRINGS, np.zeros(7), 1.0)
+    known = parameters_at(SPRINGS, np.zeros(7))
     assert {known: "known"}[known] == "known"
     assert known != replace(known)

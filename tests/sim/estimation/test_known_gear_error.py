@@ -58,13 +58,8 @@ def test_an_observer_that_knows_the_gear_error_is_the_truth(plain, terms):
     truth = run.truth.tool_position[:: round(LOG_PERIOD / float(run.truth.time[1]))]
     moved, arm = truth - truth[0], arm_of(plain)
     known = replace(arm, gear_error=gear_error_of(terms, 6))
-    without, with_it = (
-        (
-            relative_to_start(observe(one, run.motor_angle, LOG_PERIOD).tool_position[::8])[:, :3]
-            - moved
-        ).std()
-        for one in (arm, known)
-    )
+    seen = (observe(one, run.motor_angle, LOG_PERIOD).tool_position[::8] for one in (arm, known))
+    without, with_it = ((relative_to_start(path)[:, :3] - moved).std() for path in seen)
     assert with_it < 1.5e-6, "counts of the encoders, 2 to 4 urad, at 2.2 m"
     assert without > 3.0 * with_it
 

@@ -17,16 +17,11 @@ def arm_of(robot):
     return nominal_arm(with_structure(robot), NominalCfg(structure=True))
 
 
-@pytest.mark.parametrize(
-    ("file", "free"),
-    [
-        ("two_link", 2),  # both axes are parallel
-        ("scara", 4),
-        ("large", 6 + 6),
-        ("irb1400", 6 + 6),
-        ("panda_like", 7 + 6),
-    ],
-)
+FREE = {"two_link": 2, "scara": 4, "large": 6 + 6, "irb1400": 6 + 6, "panda_like": 7 + 6}
+"""Degrees of freedom; both axes of the first are parallel."""
+
+
+@pytest.mark.parametrize(("file", "free"), FREE.items())
 def test_two_springs_stand_across_each_of_the_first_three_axes_of_an_arm_in_space(file, free):
     robot = file if file in ("large", "irb1400") else str(PARENT / f"{file}.toml")
     nominal = prepare(Cut(robot=robot)).nominal
@@ -45,33 +40,31 @@ def test_springs_that_a_file_knows_are_not_assumed(file):
     assert not [name for name in known if name.startswith("struct_")]
 
 
-def test_parameters_are_named_and_make_springs():
+@pytest.fixture(scope="module")
+def springs():
     robot = load_model(LARGE_ROBOT_XML)
-    springs, prior = nominal_elasticity(robot, arm_of(robot)), SpringPrior()
-    known = names(springs)
-    assert known[:4] == (
-        "stiffness 1",
-        "stiffness 1 across 1",
-        "stiffness 1 across 2",
-        "stiffness 2",
-    )
+    return nominal_elasticity(robot, arm_of(robot))
+
+
+def test_parameters_are_named_and_make_springs(springs):
+    prior, known = SpringPrior(), names(springs)
+    assert known[:2] == ("stiffness 1", "stiffness 1 across 1")
+    assert known[2:4] == ("stiffness 1 across 2", "stiffness 2")
     assert known[12:15] == ("damping", "damping of the structure", "lost motion")
     assert len(known) == len(prior.standard_deviation(springs)) == 20
     theta = np.zeros(20)
     theta[[0, 1, 12, 15]] = 0.5, -0.3, 0.2, 0.004
-    found = parameters_at(springs, theta, 0.05)
+    found = parameters_at(springs, theta)
     ratio = found.springs.stiffness / springs.stiffness
     assert ratio == pytest.approx(np.exp([0.5, -0.3, *[0.0] * 10]))
     damped = found.springs.damping / springs.damping
     assert damped[springs.axes] == pytest.approx(np.exp(0.2))
     assert (found.clock_offset, found.process_noise) == (0.004, 0.05)
     theta[14] = -1.5  # a width below zero is none
-    assert not parameters_at(springs, theta, 0.05).springs.lost_motion.any()
+    assert not parameters_at(springs, theta).springs.lost_motion.any()
 
 
-def test_a_rigid_structure_leaves_the_gears_alone():
-    robot = load_model(LARGE_ROBOT_XML)
-    springs = nominal_elasticity(robot, arm_of(robot))
+def test_a_rigid_structure_leaves_the_gears_alone(springs):
     rigid = springs.on_rigid_structure
     across = np.setdiff1d(np.arange(12), springs.axes)
     assert np.array_equal(rigid.stiffness[springs.axes], springs.stiffness[springs.axes])
@@ -81,13 +74,3 @@ def test_a_rigid_structure_leaves_the_gears_alone():
 def test_a_prior_says_what_is_out_of_range():
     with pytest.raises(ValueError, match="clock must be > 0"):
         SpringPrior(clock=0.0)
-
-
-def test_a_gear_is_soft_by_the_part_of_the_time_within_its_lost_motion():
-    robot = load_model(LARGE_ROBOT_XML)
-    springs = nominal_elasticity(robot, arm_of(robot))
-    lost, first = springs.lost_motion, int(springs.axes[0])
-    angle = np.where(np.arange(4)[:, None] < 1, 0.5, 2.0) * np.where(lost > 0.0, lost, 1.0)
-    slope = springs.mean_slope(angle).stiffness / springs.stiffness
-    assert slope[first] == pytest.approx(1.0 - 0.25 * springs.softening[first])
-    assert slope[np.setdiff1d(np.arange(12), springs.axes)] == pytest.approx(1.0)

@@ -9,7 +9,6 @@ import pytest
 
 from armside import assets
 from armside.ilc.filters import ZeroPhaseButterworth
-from armside.sim.estimation.arm_filter import ProcessNoise
 from armside.sim.estimation.deflection import deflection
 from armside.sim.estimation.elasticity import ArmParameters, nominal_elasticity, parameters_at
 from armside.sim.estimation.estimator import ToolEstimator, tool_path
@@ -75,7 +74,7 @@ def known() -> ToolEstimator:
     ramp = 0.5 - 0.5 * np.cos(np.pi * np.clip((time - 0.3) / 1.2, 0.0, 1.0))
     motion = rigid_motion(arm, time, 0.2 + 0.05 * ramp[:, None] * np.ones(6))
     found = ArmParameters(nominal_elasticity(LARGE, arm), 0.0, 0.05, np.zeros(3))
-    return ToolEstimator(arm, found, ImuCfg(), ProcessNoise(), motion)
+    return ToolEstimator(arm, found, ImuCfg(), motion)
 
 
 def test_sensitivities_are_the_derivative_of_the_path_to_each_spring(known):
@@ -85,7 +84,7 @@ def test_sensitivities_are_the_derivative_of_the_path_to_each_spring(known):
     step = np.zeros(20)
     step[int(nominal.axes[1])] = 0.02
     moved = [
-        tool_path(motion, deflection(motion, parameters_at(nominal, sign * step, 1.0).springs))
+        tool_path(motion, deflection(motion, parameters_at(nominal, sign * step).springs))
         for sign in (1.0, -1.0)
     ]
     difference = (moved[0] - moved[1])[at, :3] / 0.04
@@ -111,9 +110,8 @@ def test_the_covariance_is_that_of_draws_of_all_that_is_uncertain(known):
     for at in (0, -1):
         turned = (motion.phi[at] - motion.phi[0])[:, None] * order
         gears = (amplitude * (np.sin(turned + phase) - np.sin(phase))).sum(axis=2)
-        state = rng.multivariate_normal(
-            np.zeros(3), known.filter_covariance[known.place[at]], draws
-        )
+        filtered = known.filter_covariance[known.place[at]]
+        state = rng.multivariate_normal(np.zeros(3), filtered, draws)
         moved = state + springs @ S[at].T + (gears + counts) @ J[at][:, axes].T
         expected = np.cov(moved.T)
         assert found[at] == pytest.approx(expected, abs=0.05 * np.abs(expected).max())

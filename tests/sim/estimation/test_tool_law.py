@@ -37,11 +37,11 @@ def test_an_orientation_error_of_a_milliradian_counts_as_a_tenth_of_a_millimetre
 
 
 def test_the_design_variables_reach_the_law():
-    law = ToolLaw(gamma=0.7, cutoff=12.0, limit=0.01, guarded=False).law(PLANT, 1.27)
-    assert (law.gamma, law.cutoff, law.limit) == (0.7, 12.0, 0.01)
+    law = ToolLaw(gamma=0.7, cutoff=12.0, guarded=False).law(PLANT, 1.27)
+    assert (law.gamma, law.cutoff, law.limit) == (0.7, 12.0, 0.02)
     assert law.input_size == pytest.approx(SIZE)
     default = ToolLaw(guarded=False)
-    assert (default.gamma, default.limit, default.delta) == (0.9, 0.02, 3)
+    assert (default.gamma, default.delta) == (0.9, 3)
     assert default.law(PLANT, 1.27).cutoff == pass_band(1.27)
 
 

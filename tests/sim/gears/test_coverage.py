@@ -66,8 +66,10 @@ def test_a_joint_that_stands_still_cannot_be_judged(scenes):
 @pytest.mark.parametrize(("factor", "seen"), [(0.5, False), (3.0, True)])
 def test_an_error_is_found_from_the_amplitude_on_that_is_stated(scenes, factor, seen):
     """Of exact gears that amplitude is stated; gears of such an error are made with it."""
-    one = scenes.recording(scenes.Scene(3, gear=0.0))
-    smallest = np.array([c.smallest for c in coverage(analyse_gears(scenes.ARM, [one], CFG))])
+    exact = analyse_gears(scenes.ARM, [scenes.recording(scenes.Scene(3, gear=0.0))], CFG)
+    assert exact.found is None
+    assert not exact.judgements
+    smallest = np.array([joint.smallest for joint in coverage(exact)])
     gear = factor * smallest / scenes.AMPLITUDE
     done = analyse_gears(scenes.ARM, [scenes.recording(scenes.Scene(3, gear=gear))], CFG)
     assert found(done) == ({1, 2, 3} if seen else set())

@@ -71,11 +71,9 @@ def test_processed_as_in_the_thesis_it_has_the_level_of_the_figure(found):
 
 def test_the_acceleration_error_is_smallest_in_z_and_largest_in_the_fast_part(done, found):
     comparison, motion = done.evaluation.comparison, done.planned.motion
-    error = {
-        speed: rms(comparison.acceleration_error[under_way(motion, comparison.time, speed)])
-        for speed in (0.5, 1.0, 5.0)
-    }
-    total = {speed: np.linalg.norm(of_part) for speed, of_part in error.items()}
+    parts = {v: under_way(motion, comparison.time, v) for v in (0.5, 1.0, 5.0)}
+    error = comparison.acceleration_error
+    total = {speed: np.linalg.norm(rms(error[part])) for speed, part in parts.items()}
     assert total[1.0] > 1.5 * total[0.5]
     assert total[5.0] >= 3.0 * total[0.5]
     thesis = found["processed as in the thesis"]
@@ -176,16 +174,9 @@ def test_idle_peaks_are_displacements_of_a_motor_while_others_move():
 
 
 def nothing_happens(time):
-    shapes = {
-        "gear_angle": 6,
-        "spring_angle": 6,
-        "motor_torque": 6,
-        "tool_position": 3,
-        "tool_quaternion": 4,
-        "imu_acceleration": 3,
-        "imu_angular_velocity": 3,
-        "qpos": 6,
-    }
+    shapes = {"tool_position": 3, "tool_quaternion": 4, "imu_acceleration": 3}
+    shapes |= {"imu_angular_velocity": 3}
+    shapes |= dict.fromkeys(("gear_angle", "spring_angle", "motor_torque", "qpos"), 6)
     return Truth(time=time, **{name: np.zeros((len(time), n)) for name, n in shapes.items()})
 
 

@@ -109,18 +109,14 @@ def test_differences_between_recordings_are_those_of_their_constants(done):
     first, turn = pair[0], Rotation.from_rotvec([0.0, 0.02, 0.0]).as_matrix()
     across = np.cross(first.gravity, [1.0, 0.0, 0.0])
     across *= np.linalg.norm(first.gravity) / np.linalg.norm(across)
-    found = repeatability(
-        [
-            first,
-            replace(
-                first,
-                M_gyro=turn @ first.M_gyro,
-                M_accelerometer=1.01 * first.M_accelerometer,
-                lever=np.add(first.lever, [1e-3, -2e-3, 0.0]),
-                gravity=np.cos(0.03) * first.gravity + np.sin(0.03) * across,
-            ),
-        ]
+    other = replace(
+        first,
+        M_gyro=turn @ first.M_gyro,
+        M_accelerometer=1.01 * first.M_accelerometer,
+        lever=np.add(first.lever, [1e-3, -2e-3, 0.0]),
+        gravity=np.cos(0.03) * first.gravity + np.sin(0.03) * across,
     )
+    found = repeatability([first, other])
     assert found.mounting == pytest.approx(0.02, rel=1e-6)
     assert found.accelerometer_scale == pytest.approx(0.0101, abs=2e-4)
     np.testing.assert_allclose(found.lever, [1e-3, 2e-3, 0.0], atol=1e-12)

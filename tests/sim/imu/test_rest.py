@@ -96,10 +96,8 @@ def evaluated():
         acceleration_measured=2.0 * error,
         clock_offset=0.012,
     )
-    tool = rng.standard_normal((50, 3))
-    return comparison, Evaluation(
-        comparison, np.abs(error), tool, tool + np.array([0.0, 3e-3, 4e-3])
-    )
+    tool, off = rng.standard_normal((50, 3)), np.array([0.0, 3e-3, 4e-3])
+    return comparison, Evaluation(comparison, np.abs(error), tool, tool + off)
 
 
 def test_measures_begin_where_the_synchronisation_ends(evaluated, monkeypatch):

@@ -9,7 +9,8 @@ import pytest
 from armside.ilc.analysis import heuristic_criterion
 from armside.sim.laser.design import THESIS, Design
 from armside.sim.laser.learning_task import SERVO
-from armside.sim.tuning import outlook, situation
+from armside.sim.tuning import outlook
+from armside.sim.tuning import rules as tuning_rules
 from armside.sim.tuning.action import Motors, action_of, design_of
 from armside.sim.tuning.observation import HEAVIEST
 from armside.sim.tuning.rules import WORST_REWARD, Rules
@@ -88,8 +89,7 @@ def test_a_design_is_held_by_the_model_nearly_as_by_the_robot(quick):
     now = rules.begin(rules.draw(np.random.default_rng(0), quick))
     for _ in range(5):
         now = rules.advance(now, THESIS)
-    correction = rules.predicted(now, THESIS)[0]
-    held, again = (rules.held(now, correction) for _ in range(2))
+    held, again = (rules.held(now, THESIS) for _ in range(2))
     assert held.measured.rms == again.measured.rms  # the noise of the episode is not used up
     for _ in range(15):
         now = rules.advance(now, THESIS)
@@ -98,8 +98,8 @@ def test_a_design_is_held_by_the_model_nearly_as_by_the_robot(quick):
 
 
 def test_looking_past_the_last_update_at_most_doubles_the_runs_of_a_step(quick, monkeypatch):
-    runs, run = [], situation._run
-    monkeypatch.setattr(situation, "_run", lambda *given: runs.append(given) or run(*given))
+    runs, run = [], tuning_rules.run
+    monkeypatch.setattr(tuning_rules, "run", lambda *given: runs.append(given) or run(*given))
     episode(1, THESIS, quick, iterations=3)
     assert [k for *_, k in runs] == [1, 2, 3, 20]
 

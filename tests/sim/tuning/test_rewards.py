@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from armside.sim.tuning import situation
 from armside.sim.tuning.action import VARIABLES, Scale
 from armside.sim.tuning.episode_task import PAYLOADS, POSE_SPREAD, SPEEDS, TEST_SEEDS
 from armside.sim.tuning.rules import WORST_REWARD, Rules
+from armside.sim.tuning.situation import Reading, RewardSensor
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +100,7 @@ def test_an_individual_has_a_stream_of_its_own_for_its_parameters(rules, monkeyp
     assert (cut.individual, cut.speed, cut.payload, cut.radius) == ("robot", 0.03, 50.0, 0.005)
 
 
-def test_an_iteration_learns_from_the_last_correction_and_its_arm_side_error(monkeypatch):
+def test_an_iteration_learns_from_the_last_correction_and_its_arm_side_error(rules, monkeypatch):
     u, e = np.ones((4, 6)), np.full((4, 6), 2.0)
     ran = []
     plant = SimpleNamespace(run=lambda correction: ran.append(correction) or "cut")
@@ -116,7 +118,7 @@ def test_an_iteration_learns_from_the_last_correction_and_its_arm_side_error(mon
     )
     made = []
     monkeypatch.setattr(situation, "_situation", lambda *given: made.append(given))
-    situation.advance(now, SimpleNamespace(law=lambda u, e: u + 0.5 * e))
+    rules.advance(now, SimpleNamespace(law=lambda u, e: u + 0.5 * e))
     assert ran[0] == pytest.approx(u + 0.5 * e)
     ((_, _, _, k, correction, cut, first, twin),) = made
     assert (k, cut, first, twin) == (3, "cut", "first", "twin")
@@ -128,23 +130,20 @@ def test_each_sensor_of_the_reward_reads_its_own_signal(monkeypatch):
     given = []
     monkeypatch.setattr(situation, "tool_error", lambda *signals: given.append(signals))
     tracker = SimpleNamespace(time="tracker time", position="tracker position")
-    pose = np.tile(np.eye(4), (2, 1, 1))
 
-    def compiled(_):
-        def at(phi):
-            moved = pose.copy()
-            moved[:, :3, 3] = phi[:, :3]
-            return moved
+    def at(phi):
+        pose = np.tile(np.eye(4), (2, 1, 1))
+        pose[:, :3, 3] = phi[:, :3]
+        return pose
 
-        return SimpleNamespace(pose=at)
-
-    monkeypatch.setattr(situation, "_compiled", compiled)
+    monkeypatch.setattr(situation, "_compiled", lambda robot: SimpleNamespace(pose=at))
     r, y = np.zeros((2, 6)), np.full((2, 6), 1e-3)
     log = SimpleNamespace(time="log time", reference=r, motor_angle=y)
-    cut = SimpleNamespace(tracker=tracker, recording=log)
-    motion = SimpleNamespace(position=np.ones((2, 3)))
-    situation._tracker_error(motion, cut)
-    situation._motor_error(None, motion, cut)
+    cut: Any = SimpleNamespace(tracker=tracker, recording=log)
+    motion: Any = SimpleNamespace(position=np.ones((2, 3)))
+    robot: Any = None
+    for sensor in (RewardSensor.TRACKER, RewardSensor.MOTOR):
+        Reading(sensor, motion, robot)(cut)
     assert given[0] == (motion, "tracker time", "tracker position")
     assert given[1][1] == "log time"
     assert given[1][2] == pytest.approx(np.full((2, 3), 1.001))

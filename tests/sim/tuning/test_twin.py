@@ -9,6 +9,7 @@ from armside.sim.laser.design import Design
 from armside.sim.robot.individual import Individual
 from armside.sim.tuning.action import Motors, action_of
 from armside.sim.tuning.rules import Rules
+from armside.sim.tuning.vector_env import IlcTuningVectorEnv
 from armside.sim.twin.identification import parameters_of
 from armside.sim.twin.twin import Twin, design_of, robot_digest
 
@@ -73,14 +74,7 @@ def test_a_twin_that_is_not_trusted_leaves_an_episode_as_it_is_without(folder, q
 
 
 def test_the_vector_env_is_the_single_one_row_by_row(env, folder, quick):
-    cells = gymnasium.make_vec(
-        ID,
-        num_envs=2,
-        vectorization_mode="vector_entry_point",
-        individual=Individual(),
-        twin=folder,
-        iterations=2,
-    )
+    cells = IlcTuningVectorEnv(2, individual=Individual(), twin=folder, iterations=2)
     observations, infos = cells.reset(seed=0, options=quick)
     stepped = cells.step(np.tile(GENTLE, (2, 1)))
     for i in range(2):

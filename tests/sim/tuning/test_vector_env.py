@@ -36,13 +36,8 @@ def _same(one, other):
 
 
 def in_a_fresh_process(code, **environment):
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        env=os.environ | environment,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    command, env = [sys.executable, "-c", code], os.environ | environment
+    done = subprocess.run(command, env=env, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return done
 
@@ -72,14 +67,8 @@ for _ in range(2):
 def test_rows_are_bitwise_those_of_the_single_env_through_resets(name, mode):
     """Against Gymnasium's own vector env over single ones: observations, rewards, ends, infos."""
     one = SyncVectorEnv([lambda: gymnasium.make(name, iterations=1)] * 3, autoreset_mode=mode)
-    many = gymnasium.make_vec(
-        name,
-        num_envs=3,
-        vectorization_mode="vector_entry_point",
-        iterations=1,
-        threads=2,
-        autoreset_mode=mode,
-    )
+    how = {"vectorization_mode": "vector_entry_point", "iterations": 1, "threads": 2}
+    many = gymnasium.make_vec(name, num_envs=3, autoreset_mode=mode, **how)
     assert isinstance(many.unwrapped, IlcTuningVectorEnv)
     assert many.action_space == one.action_space
     assert many.observation_space == one.observation_space
@@ -106,41 +95,50 @@ def test_a_mask_resets_the_robots_it_names_only(quick):
         cells.step(np.zeros((2, 3), np.float32))
 
 
-def test_bad_input_is_one_clear_error(quick):
-    with pytest.raises(ValueError, match="num_envs must be a whole number >= 1, got 0"):
-        IlcTuningVectorEnv(0)
-    with pytest.raises(ValueError, match="threads must be a whole number >= 1"):
-        IlcTuningVectorEnv(1, threads=0)
-    with pytest.raises(ValueError, match="Unknown motors"):
-        IlcTuningVectorEnv(1, motors="none")
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"num_envs": 0}, "num_envs must be a whole number >= 1, got 0"),
+        ({"num_envs": "2"}, "num_envs must be a whole number >= 1"),
+        ({"num_envs": 1.5}, "num_envs must be a whole number >= 1"),
+        ({"threads": 0}, "threads must be a whole number >= 1"),
+        ({"threads": 1.5}, "threads must be a whole number >= 1"),
+        ({"threads": "2"}, "threads must be a whole number >= 1"),
+        ({"motors": "none"}, "Unknown motors"),
+        ({"autoreset_mode": "x"}, "It can be: NextStep, SameStep, Disabled"),
+        ({"sealed": True}, "a sealed env cannot start episodes by itself"),
+    ],
+)
+def test_options_of_cells_that_make_no_sense_are_refused(options, said):
+    with pytest.raises(ValueError, match=said):
+        IlcTuningVectorEnv(**options)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        *(({"seed": bad}, "seed must be a whole number >= 0") for bad in (1.5, "ab", -1, True)),
+        *(({"seed": bad}, "seed must be a whole number >= 0") for bad in ([3, -1], [3, 4.0])),
+        ({"seed": [1, 2, 3]}, "2 robots need as many seeds, got 3"),
+        ({"seed": 900_000_000}, "sealed test seeds"),
+        ({"options": {"reset_mask": np.zeros(2, dtype=bool)}}, "reset_mask must be 2 booleans"),
+        ({"options": [1]}, "options of reset must be a dict"),
+    ],
+)
+def test_a_reset_of_cells_that_makes_no_sense_is_refused(given, said):
+    with pytest.raises(ValueError, match=said):
+        IlcTuningVectorEnv(2).reset(**given)
+
+
+def test_bad_steps_are_one_clear_error(quick):
     cells = IlcTuningVectorEnv(2)
     with pytest.raises(RuntimeError, match="call reset"):
         cells.step(np.zeros((2, 3), np.float32))
-    with pytest.raises(ValueError, match="2 robots need as many seeds, got 3"):
-        cells.reset(seed=[1, 2, 3])
-    with pytest.raises(ValueError, match="sealed test seeds"):
-        cells.reset(seed=900_000_000)
-    with pytest.raises(ValueError, match="reset_mask must be 2 booleans"):
-        cells.reset(seed=0, options={"reset_mask": np.array([False, False])})
     cells.reset(seed=0, options=quick)
     with pytest.raises(ValueError, match=r"robot 1: an action must .* got nan at index 1"):
         cells.step(np.array([[0, 0, 0], [0, np.nan, 0]], np.float32))
     with pytest.raises(ValueError, match="actions must have shape"):
         cells.step(np.zeros((3, 3), np.float32))
-    for bad in (1.5, "ab", -1, True, [3, -1], [3, 4.0]):
-        with pytest.raises(ValueError, match="seed must be a whole number >= 0"):
-            cells.reset(seed=bad)
-    with pytest.raises(ValueError, match="2 robots need as many seeds, got 3"):
-        cells.reset(seed=[1, 2, 3])
-    for wrong in ({"num_envs": "2"}, {"num_envs": 1.5}, {"threads": 1.5}, {"threads": "2"}):
-        with pytest.raises(ValueError, match="must be a whole number >= 1"):
-            IlcTuningVectorEnv(**wrong)
-    with pytest.raises(ValueError, match="It can be: NextStep, SameStep, Disabled"):
-        IlcTuningVectorEnv(2, autoreset_mode="x")
-    with pytest.raises(ValueError, match="options of reset must be a dict"):
-        cells.reset(options=[1])
-    with pytest.raises(ValueError, match="a sealed env cannot start episodes by itself"):
-        IlcTuningVectorEnv(2, sealed=True)
     cells.close()
     with pytest.raises(RuntimeError, match="closed"):
         cells.step(np.zeros((2, 3), np.float32))

@@ -38,18 +38,15 @@ def test_numbers_written_into_a_bending_design_are_those_of_a_new_one():
     plain = load_model(LARGE_ROBOT_XML)
     rng = np.random.default_rng(0)
     others = hinges(rng.uniform(-MEAN, 3.0, (3, 4)), rng.uniform(-0.2, 0.2, 3))
-    written, compiled = bent(with_bending(plain), others).mj, with_hinges(plain, others).mj
+    design = with_bending(plain)
+    assert bent(design, ()) is design  # where nothing is said of its links
+    written, compiled = bent(design, others).mj, with_hinges(plain, others).mj
     own = joints(compiled, "hidden_")
     assert own == joints(written, "hidden_")
     assert len(own) == len(others)
     for name in ("jnt_axis", "jnt_pos", "jnt_stiffness", "dof_damping", "dof_invweight0"):
         value = getattr(compiled, name)
         assert getattr(written, name) == pytest.approx(value, rel=1e-9), name
-
-
-def test_a_design_keeps_its_links_where_nothing_is_said_of_them():
-    design = with_bending(load_model(LARGE_ROBOT_XML))
-    assert bent(design, ()) is design
 
 
 def test_the_hinges_are_damped_as_those_of_the_file():

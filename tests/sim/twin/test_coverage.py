@@ -16,8 +16,8 @@ from armside.ilc.filters import ZeroPhaseButterworth
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.robot.mjcf import N_AXES
 from armside.sim.robot.spread import Drawn
-from armside.sim.twin.commission import commission, plan, recorded
-from armside.sim.twin.identification import Identification, Solving, compared
+from armside.sim.twin.commission import SENSORS, commission, plan, recorded
+from armside.sim.twin.identification import CORRELATION, TORQUE_NOISE, Solving, compared
 from armside.sim.twin.imu_sensor import CFG as UNIT
 from armside.sim.twin.imu_sensor import CUTOFF, IMU
 from armside.sim.twin.prediction import is_identified, standard_deviation
@@ -27,8 +27,8 @@ from armside.sim.twin.tool_sensor import TRACKER, ToolSensor
 from .conftest import INDIVIDUAL
 
 WHOLE = bool(os.environ.get("ARMSIDE_CI"))
-DRAWS, STEPS, CFG = 8 if WHOLE else 4, 3, Identification()
-LASTS = round(CFG.correlation**2)
+DRAWS, STEPS = 8 if WHOLE else 4, 3
+LASTS = round(CORRELATION**2)
 """Samples that share one draw of the noise: as many as the scale of residuals assumes."""
 
 
@@ -51,31 +51,26 @@ def lasting(rng, n, columns):
     return np.repeat(rng.standard_normal((n // LASTS + 1, columns)), LASTS, axis=0)[:n]
 
 
-def seen_by_tracker(rng, columns):
-    return columns, TRACKER.noise / CFG.correlation * lasting(rng, len(columns), 3)
-
-
-def seen_by_imu(rng, columns):
-    """Slow columns of the size that an IMU has, in white noise; both through its low-pass."""
+def seen(sensor, rng, columns):
+    """Columns and noise; of an IMU slow columns of its size, in low-passed white noise."""
+    if sensor is TRACKER:
+        return columns, TRACKER.noise / CORRELATION * lasting(rng, len(columns), 3)
     Q = ZeroPhaseButterworth(CUTOFF, 1.0 / UNIT.rate)
     slow = Q(columns.reshape(len(columns), -1)).reshape(columns.shape)
     return slow / IMU.displacement, Q(rng.standard_normal((len(columns), 3)))
-
-
-SENSORS = {"tracker": (TRACKER, seen_by_tracker), "imu": (IMU, seen_by_imu)}
 
 
 @pytest.mark.parametrize("kind", SENSORS)
 def test_standard_deviations_hold_the_truth_of_a_linear_cut_at_their_rate(around, kind):
     against, _, before, columns = around
     parameters, rng, inside = against.parameters, np.random.default_rng(0), []
-    sensor, seen = SENSORS[kind]
-    least = CFG.torque_noise * against.design.model.drives.torque_limit
+    sensor = SENSORS[kind]
+    least = TORQUE_NOISE * against.design.model.drives.torque_limit
     for _ in range(DRAWS):
         drawn = parameters.standard_deviation * rng.standard_normal(parameters.size)
         truth = np.clip(parameters.mean + drawn, parameters.lower, parameters.upper)
-        tool, noise = seen(rng, columns.tool)
-        torque = least / CFG.correlation * lasting(rng, len(columns.torque), N_AXES)
+        tool, noise = seen(sensor, rng, columns.tool)
+        torque = least / CORRELATION * lasting(rng, len(columns.torque), N_AXES)
         noises = Residuals(torque, noise, before.moving)
         cut = LinearCut(sensor, Columns(columns.torque, tool), truth, noises)
         theta, sd = solved(cut, parameters, least)
@@ -87,12 +82,13 @@ def solved(cut, parameters, torque_noise):
     """Parameters and their standard deviations, by the solver of identification."""
     sensor, theta = cut.sensor, parameters.mean
     scales = np.append(torque_noise, sensor.noise)
-    correlation = np.append(np.full(N_AXES, CFG.correlation), sensor.correlation)
+    correlation = np.append(np.full(N_AXES, CORRELATION), sensor.correlation)
     for _ in range(STEPS):
         groups = compared(cut, theta, cut.columns).groups
-        found = Solving(parameters, theta, scales, correlation).solve(groups)
-        theta = theta + found.change
-    return theta, np.sqrt(np.diag(found.covariance))
+        solving = Solving(parameters, theta, scales, correlation)
+        change, covariance = solving.solve(groups)
+        theta = theta + change
+    return theta, np.sqrt(np.diag(covariance))
 
 
 LOGARITHMS = ("static_excess", "stribeck_speed", "viscous", "bristle_stiffness", "lost_motion")
@@ -132,14 +128,10 @@ def coverage(robot, twin, sd):
     return inside[known & there].mean(), inside[there].mean()
 
 
-def test_printed_standard_deviations_hold_the_truth_of_a_robot_at_their_rate(commissioned):
-    twin = commissioned.twin
+def test_printed_standard_deviations_hold_the_truth_of_a_robot_at_their_rate(twin):
+    """Those of the linearised model would hold it less often."""
     printed = standard_deviation(twin.parameters, twin.covariance)
     assert all(0.90 <= each <= 0.99 for each in coverage(INDIVIDUAL, twin, printed))
-
-
-def test_those_of_the_linearised_model_would_hold_it_less_often(commissioned):
-    twin = commissioned.twin
     assert coverage(INDIVIDUAL, twin, np.sqrt(np.diag(twin.covariance)))[0] < 0.90
 
 
@@ -148,16 +140,12 @@ def test_those_of_the_linearised_model_would_hold_it_less_often(commissioned):
 def test_printed_standard_deviations_hold_the_truth_of_other_robots(measure):
     found = []
     for robot in (Drawn(2005), Drawn(2006)):
-        twin = commission(commissioning_cuts(robot, measure), measure=measure).twin
+        imu = ImuCfg() if measure == "imu" else None
+        cuts = [
+            recorded(replace(cut, individual=robot, imu=imu), f"cut-{i + 1}", i)
+            for i, cut in enumerate(plan(4))
+        ]
+        twin = commission(cuts, measure=measure).twin
         printed = standard_deviation(twin.parameters, twin.covariance)
         found.append(coverage(robot, twin, printed))
     assert ((np.mean(found, axis=0) >= 0.90) & (np.mean(found, axis=0) <= 0.99)).all()
-
-
-def commissioning_cuts(robot, measure):
-    """Four cuts of the plan, by an individual with that sensor."""
-    imu = ImuCfg() if measure == "imu" else None
-    return [
-        recorded(replace(cut, individual=robot, imu=imu), f"cut-{i + 1}", i)
-        for i, cut in enumerate(plan(4))
-    ]

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pytest
 
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
@@ -15,23 +16,11 @@ from armside.sim.twin.first_cut import FirstCut
 RUN: Any = object()
 
 
-def by_twin() -> FirstCut:
+@pytest.mark.parametrize("long", [False, True])
+def test_a_short_cut_learns_what_its_estimate_sees_of_the_twin_a_long_one_the_program(long):
     twin: Any = SimpleNamespace(run=lambda *_: RUN)
     found: Any = SimpleNamespace(trusted=True, correction=np.zeros(0))
-    return FirstCut(twin, found)
-
-
-def test_a_short_cut_learns_what_its_estimate_sees_of_the_twin():
-    experiment = prepare(Cut(pose="p2", imu=ImuCfg()))
-    found = by_twin().around(ToolPath(), experiment)
-    assert isinstance(found, ToolPath)
-    assert found.target is RUN
-
-
-def test_a_long_path_learns_what_is_programmed_with_a_twin_too():
-    experiment, measure = (
-        prepare(Cut(pose="p2", contour=Circle(0.05), imu=ImuCfg())),
-        ToolPath(),
-    )
-    found = by_twin().around(measure, experiment)
-    assert found is measure
+    experiment = prepare(Cut(pose="p2", contour=Circle(0.05) if long else None, imu=ImuCfg()))
+    measure = ToolPath()
+    goes_on = FirstCut(twin, found).around(measure, experiment)
+    assert goes_on is measure if long else isinstance(goes_on, ToolPath) and goes_on.target is RUN

@@ -24,16 +24,9 @@ NOISE_FREE = ImuCfg(
 
 @pytest.fixture(scope="module")
 def experiment():
-    return prepare(
-        Cut(
-            pose="p2",
-            contour=square(0.03, 0.0045),
-            speed=0.08,
-            individual=Individual(),
-            imu=NOISE_FREE,
-        ),
-        seed=4,
-    )
+    curve, robot = square(0.03, 0.0045), Individual()
+    cut = Cut(pose="p2", contour=curve, speed=0.08, individual=robot, imu=NOISE_FREE)
+    return prepare(cut, seed=4)
 
 
 @pytest.fixture(scope="module")
@@ -46,11 +39,18 @@ def comparison(experiment, run):
     return ImuComparison(experiment.nominal, measured(run))
 
 
+@pytest.fixture(scope="module")
+def simulated(experiment, run):
+    """Runs of several individuals, and of their design, by the reference of the recorded run."""
+    reference, design = run.recording.reference, RobotDesign(experiment.nominal)
+    return lambda *twins: design.run(twins, reference, np.zeros_like(reference))
+
+
 def _rms(residual):
     return float(np.sqrt(np.mean(residual**2)))
 
 
-def test_errors_of_the_unit_leave_next_to_nothing_of_its_own_run(experiment, run, comparison):
+def test_errors_of_the_unit_leave_next_to_nothing_of_its_own_run(run, comparison):
     """Bias, clock, mounting, scale and misalignment are projected out; the twin is the robot."""
     own = comparison.residual(run.recording)
     imu, truth = run.imu, run.recording.truth
@@ -61,18 +61,13 @@ def test_errors_of_the_unit_leave_next_to_nothing_of_its_own_run(experiment, run
     assert _rms(own) < 0.25 * bandwidth
 
 
-def test_a_softer_gear_shows(experiment, run, comparison):
-    design = RobotDesign(experiment.nominal)
-    soft = Individual(gear_stiffness=np.full(6, 0.7))
-    reference = run.recording.reference
-    (other,) = design.run([soft], reference, np.zeros_like(reference))
+def test_a_softer_gear_shows(run, comparison, simulated):
+    (other,) = simulated(Individual(gear_stiffness=np.full(6, 0.7)))
     assert _rms(comparison.residual(other)) > 4.0 * _rms(comparison.residual(run.recording))
 
 
-def test_a_change_of_the_twin_changes_the_residual_by_as_much(experiment, run, comparison):
-    design, reference = RobotDesign(experiment.nominal), run.recording.reference
-    twins = [Individual(), Individual(gear_stiffness=np.full(6, 0.9))]
-    base, other = design.run(twins, reference, np.zeros_like(reference))
+def test_a_change_of_the_twin_changes_the_residual_by_as_much(comparison, simulated):
+    base, other = simulated(Individual(), Individual(gear_stiffness=np.full(6, 0.9)))
     change = comparison.residual(base) - comparison.residual(other)
     # Each residual is synchronised anew, which the projection hides to first order.
     assert _rms(comparison.change(base, other) - change) < 0.25 * _rms(change)
@@ -106,38 +101,34 @@ def test_the_clock_is_found_under_bias_and_mounting(offset):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (lambda c: {"imu": None}, "has no samples of an IMU"),
-        (lambda c: {"imu": _with(c, acceleration=c.imu.acceleration / 9.82)}, "another unit"),
-        (lambda c: {"imu": _with(c, acceleration=c.imu.acceleration[:, [1, 2, 0]])}, "mounting"),
-        (lambda c: {"imu": _with(c, acceleration=c.imu.acceleration * np.nan)}, "not finite"),
-        (
-            lambda c: {"imu": _with(c, time=c.imu.time[np.r_[1, 0, 2 : len(c.imu.time)]])},
-            "out of order",
-        ),
+        ({"imu": lambda unit: None}, "has no samples of an IMU"),
+        ({"acceleration": lambda a: a / 9.82}, "another unit"),
+        ({"acceleration": lambda a: a[:, [1, 2, 0]]}, "mounting"),
+        ({"acceleration": lambda a: a * np.nan}, "not finite"),
+        ({"time": lambda t: t[np.r_[1, 0, 2 : len(t)]]}, "out of order"),
     ],
 )
 def test_an_imu_that_contradicts_the_robot_is_named(experiment, run, change, said):
     cut = measured(run, "cut-03")
+    ((name, by),) = change.items()
+    bad = None if name == "imu" else replace(cut.imu, **{name: by(getattr(cut.imu, name))})
     with pytest.raises(ImplausibleError, match=f"cut-03.*{said}"):
-        check_imu(experiment.nominal, replace(cut, **change(cut)))
+        check_imu(experiment.nominal, replace(cut, imu=bad))
     check_imu(experiment.nominal, cut)
 
 
-def _with(cut, **changes):
-    return replace(cut.imu, **changes)
-
-
-def test_gear_errors_of_the_motor_show_as_their_columns_say(experiment, run):
+def test_gear_errors_of_the_motor_show_as_their_columns_say(
+    experiment, run, simulated, monkeypatch
+):
     """Quasi-static columns: what a slow gear error excites in the springs is left out."""
-    design = RobotDesign(experiment.nominal)
-    reference = run.recording.reference
     sine = np.zeros((6, 4))
     sine[0, 2] = 0.5
     phases = gear_phases(experiment.nominal)
     none = Individual(gear_error=np.zeros((6, 4)), gear_error_phase=-phases)
     some = replace(none, gear_error=sine)
-    base, other = design.run([none, some], reference, np.zeros_like(reference))
-    slow = ImuComparison(experiment.nominal, measured(run), cutoff=3.0)
+    base, other = simulated(none, some)
+    monkeypatch.setattr("armside.sim.twin.imu_sensor.CUTOFF", 3.0)
+    slow = ImuComparison(experiment.nominal, measured(run))
     expected = 0.5 * slow.by_kinematics()["gear_error"][:, :, 2 * 2]
     seen = slow.change(base, other)
     assert np.linalg.norm(seen - expected) < 0.3 * np.linalg.norm(seen)

@@ -1,7 +1,5 @@
 """Individuals that run beside each other are those that run alone."""
 
-from functools import cache
-
 import numpy as np
 import pytest
 
@@ -10,7 +8,7 @@ from armside.sim.laser import Cut, prepare
 from armside.sim.motion.contour import square
 from armside.sim.robot.effects import gear_phases
 from armside.sim.robot.individual import Individual
-from armside.sim.twin.correction import TwinLearning, learn_in_twin
+from armside.sim.twin import correction
 from armside.sim.twin.identification import parameters_of
 from armside.sim.twin.simulation import design_of
 
@@ -30,31 +28,25 @@ def test_what_the_controller_computes_once_serves_every_individual():
     assert not np.array_equal(first.motor_torque, second.motor_torque)
 
 
-@pytest.fixture(scope="module")
-def largest_deviation():
+def largest_deviation(pose):
     """Largest deviation [m] of a square of 20 mm with corners of 3 mm, learned inside a twin."""
     design = design_of("large", None)
     known = parameters_of(design)
     twin = known.individual(known.mean, gear_phases(design.model))
-
-    @cache
-    def of(pose: str, cfg: TwinLearning) -> float:
-        cut = Cut(pose=pose, contour=square(0.02, 0.003), speed=0.08, friction_spread=0.0)
-        experiment = prepare(cut)
-        motion, reference = experiment.motion, experiment.loaded.reference
-        learned = learn_in_twin(design, twin, experiment, cfg)
-        truth = design.run([twin], reference, learned.correction)[0].truth
-        every = slice(None, None, round(1e-3 / float(truth.time[1])))
-        return tool_error(motion, truth.time[every], truth.tool_position[every]).maxdev
-
-    return of
+    cut = Cut(pose=pose, contour=square(0.02, 0.003), speed=0.08, friction_spread=0.0)
+    experiment = prepare(cut)
+    learned, _ = correction.learn_in_twin(design, twin, experiment)
+    truth = design.run([twin], experiment.loaded.reference, learned)[0].truth
+    every = slice(None, None, round(1e-3 / float(truth.time[1])))
+    return tool_error(experiment.motion, truth.time[every], truth.tool_position[every]).maxdev
 
 
 @pytest.mark.parametrize("pose", ["p1", "p3"])
-def test_corners_leave_less_than_twenty_micrometres(pose, largest_deviation):
-    assert largest_deviation(pose, TwinLearning()) < 20e-6
+def test_corners_leave_less_than_twenty_micrometres(pose):
+    assert largest_deviation(pose) < 20e-6
 
 
-def test_a_law_of_ten_hertz_leaves_more_at_corners(largest_deviation):
-    narrow, wide = TwinLearning(cutoff=10.0), TwinLearning()
-    assert largest_deviation("p1", narrow) > 1.5 * largest_deviation("p1", wide)
+def test_a_law_of_ten_hertz_leaves_more_at_corners(monkeypatch):
+    wide = largest_deviation("p1")
+    monkeypatch.setattr(correction, "CUTOFF", 10.0)
+    assert largest_deviation("p1") > 1.5 * wide

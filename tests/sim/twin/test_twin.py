@@ -38,16 +38,16 @@ def test_the_first_run_of_an_unseen_cut_is_right(twin, corrected, cut_by):
     assert corrected.prediction.uncorrected == pytest.approx(before, rel=0.1)
 
 
-@pytest.mark.parametrize(
-    "curve", [square(0.012, 0.0018), slot(0.020, 0.006)], ids=["square", "slot"]
-)
+CURVES = {"square": square(0.012, 0.0018), "slot": slot(0.020, 0.006)}
+
+
+@pytest.mark.parametrize("curve", CURVES.values(), ids=CURVES)
 def test_corners_are_learned_inside_a_twin(twin, curve):
     """A law that takes gears for stiff and friction for a repeating load leaves 20 um there."""
     cut = replace(ELSEWHERE, contour=curve, speed=0.04)
     design, experiment = twin.design, prepare(replace(cut, friction_spread=0.0))
-    learned = learn_in_twin(design, twin.individual, experiment)
-    assert learned.rms.min() < 8e-6
-    assert learned.left < 0.03
+    _, rms = learn_in_twin(design, twin.individual, experiment)
+    assert rms.min() < min(8e-6, 0.03 * rms[0])
 
 
 def test_feedback_of_one_run_finds_the_friction_that_has_drifted(twin, corrected, cut_by):
@@ -108,10 +108,7 @@ def test_a_saved_twin_is_the_same_twin(twin, tmp_path, corrected):
         (lambda c: c | {"held_out": [0.0] * len(c["cuts"])}, "held_out must be .* residuals > 0 m"),
         (lambda c: c | {"held_out": [-1e-6] * len(c["cuts"])}, "held_out must be .* got .-1e-06"),
         (lambda c: c | {"held_out": [1e-5]}, "held_out must be 2 residuals"),
-        (
-            lambda c: c | {"held_out": [1e-5, True]},
-            "held_out must be real numbers, got .*bool|truth value",
-        ),
+        (lambda c: c | {"held_out": [1e-5, True]}, "held_out must be real .*bool|truth value"),
         (lambda c: {"format": FORMAT}, "damaged twin"),
         (lambda c: [], "is a twin of format None"),
     ],
@@ -198,14 +195,10 @@ def test_a_recording_that_cannot_be_is_named(twin, passes, change, said):
 def test_a_measured_cut_holds_no_ground_truth(passes):
     """Destroyed truth changes no bit of what identification reads."""
     run = passes[0]
-    log = run.recording
-    truth = log.truth
-    lost = {
-        f.name: np.full_like(getattr(truth, f.name), np.nan)
-        for f in fields(truth)
-        if f.name not in ("time", "gear_error")
-    }
-    blind = replace(run, recording=replace(log, truth=replace(truth, **lost)))
+    truth = run.recording.truth
+    names = {field.name for field in fields(truth)} - {"time", "gear_error"}
+    lost = {name: np.full_like(getattr(truth, name), np.nan) for name in names}
+    blind = replace(run, recording=replace(run.recording, truth=replace(truth, **lost)))
     cuts = [measured(one) for one in (run, blind)]
     for field in fields(MeasuredCut):
         values = [getattr(cut, field.name) for cut in cuts]
