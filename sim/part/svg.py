@@ -20,7 +20,7 @@ import svgelements
 
 from armside.arrays import Array
 
-from .arcs import MM, Chain, arc, fitted, joined, line, place
+from .arcs import MM, Chain, arc, ellipse, fitted, joined, line, place
 from .drawing import Drawing, DrawnEntity, Reading, Unit
 from .svg_shape import Size, fitted_in, length, viewbox
 from .svg_tree import INKSCAPE, SVG, UNSEEN, Clip, Document, Leaf
@@ -42,54 +42,43 @@ EDITORS = (INKSCAPE, "{http://sodipodi.sourceforge.net/DTD/sodipodi-0.dtd}")
 def chains(path: Any, matrix: Array) -> Iterator[Chain]:
     """A chain [m] for each part of a path; `matrix` (3, 3) from its coordinates to metres."""
     pieces: list[Chain] = []
-    for segment in path:
-        if isinstance(segment, svgelements.Move):
-            if pieces:
-                yield _whole(pieces)
+    for segment in [*path, svgelements.Move()]:
+        moves = isinstance(segment, svgelements.Move)
+        if not moves and (chain := _chain(segment, matrix)) is not None:
+            pieces.append(chain)
+        if pieces and (moves or isinstance(segment, svgelements.Close)):
+            # One piece; its end is exactly its start where they differ by rounding.
+            whole = joined(pieces)
+            yield whole.ending_at_start(1e-9 * max(1.0, float(np.abs(whole.points).max())))
             pieces = []
-            continue
-        chain = _chain(segment, matrix)
-        if chain is not None:
-            pieces.append(_from_end(pieces, chain))
-        if isinstance(segment, svgelements.Close):
-            if pieces:
-                yield _whole(pieces)
-            pieces = []
-    if pieces:
-        yield _whole(pieces)
 
 
 def _chain(segment: Any, matrix: Array) -> Chain | None:
     """One segment; None for one of zero length, as drawing programs leave them."""
-    start, end = _point(segment.start, matrix), _point(segment.end, matrix)
-    if isinstance(segment, svgelements.Arc) and segment.rx * segment.ry != 0.0:
-        return _arc(segment, matrix)
-    if isinstance(segment, svgelements.Line | svgelements.Close | svgelements.Arc):
-        return None if np.abs(end - start).max() < ZERO else line(start, end)
-    if isinstance(segment, svgelements.QuadraticBezier):
-        control = _point(segment.control, matrix)
-        return _bezier(np.array([start, control, end]))
-    if isinstance(segment, svgelements.CubicBezier):
-        controls = [_point(segment.control1, matrix), _point(segment.control2, matrix)]
-        return _bezier(np.array([start, *controls, end]))
-    raise ValueError(f"{type(segment).__name__} is not known here")
+    ends = [segment.start, segment.end]
+    match segment:
+        case svgelements.Arc() if segment.rx * segment.ry != 0.0:
+            return _arc(segment, matrix)
+        case svgelements.QuadraticBezier():
+            ends.insert(1, segment.control)
+        case svgelements.CubicBezier():
+            ends[1:1] = segment.control1, segment.control2
+    points = np.array([_point(end, matrix) for end in ends])
+    if len(points) > 2:
+        return _bezier(points) if np.ptp(points, axis=0).any() else None
+    return line(*points) if np.ptp(points, axis=0).max() >= ZERO else None
 
 
-def _bezier(control: Array) -> Chain | None:
-    if not np.ptp(control, axis=0).any():
-        return None
+def _bezier(control: Array) -> Chain:
     n = len(control) - 1
     first, step = np.poly1d([1.0, 0.0]), np.poly1d([-1.0, 1.0])
     basis = [comb(n, k) * first**k * step ** (n - k) for k in range(n + 1)]
     slopes = [polynomial.deriv() for polynomial in basis]
 
-    def at(t: float) -> tuple[Array, Array]:
-        return (
-            np.array([b(t) for b in basis]) @ control,
-            np.array([b(t) for b in slopes]) @ control,
-        )
+    def of(polynomials: list[Any], t: float) -> Array:
+        return np.array([b(t) for b in polynomials]) @ control
 
-    return fitted(at, [0.0, 1.0])
+    return fitted(lambda t: (of(basis, t), of(slopes, t)), [0.0, 1.0])
 
 
 def _arc(segment: Any, matrix: Array) -> Chain | None:
@@ -105,27 +94,9 @@ def _arc(segment: Any, matrix: Array) -> Chain | None:
         angle = np.arctan2(first[1], first[0]) + turn * begin
         return arc(centre, float(a), float(angle), float(turn * sweep))
 
-    def at(t: float) -> tuple[Array, Array]:
-        direction = np.sign(sweep) * (np.cos(t) * second - np.sin(t) * first)
-        return centre + np.cos(t) * first + np.sin(t) * second, direction
-
     parts = max(1, int(np.ceil(abs(sweep) / (np.pi / 2))))
-    return fitted(at, (begin + sweep * np.linspace(0.0, 1.0, parts + 1)))
-
-
-def _from_end(pieces: list[Chain], chain: Chain) -> Chain:
-    """The chain from the exact end of the one before."""
-    if not pieces:
-        return chain
-    return Chain(np.vstack([pieces[-1].points[-1:], chain.points[1:]]), chain.bulge)
-
-
-def _whole(pieces: list[Chain]) -> Chain:
-    """Pieces in one; its end is exactly its start where they differ by rounding."""
-    whole = joined(pieces)
-    first, last = whole.points[0], whole.points[-1]
-    near = np.linalg.norm(last - first) < 1e-9 * max(1.0, float(np.abs(whole.points).max()))
-    return whole.ending_at_start if near else whole
+    at = ellipse(centre, first, second, np.sign(sweep))
+    return fitted(at, begin + sweep * np.linspace(0.0, 1.0, parts + 1))
 
 
 def _point(point: Any, matrix: Array) -> Array:
