@@ -22,7 +22,7 @@ from armside.arrays import Array
 
 from .arcs import MM, Chain, arc, ellipse, fitted, joined, line, place
 from .drawing import Drawing, DrawnEntity, Reading, Unit
-from .svg_shape import Size, fitted_in, length, viewbox
+from .svg_shape import Size, fitted_in, length, shape, viewbox
 from .svg_tree import INKSCAPE, SVG, UNSEEN, Clip, Document, Leaf
 
 ROUND = 1e-9
@@ -126,18 +126,19 @@ def read_svg(file: Path, reading: Reading) -> Drawing:
             if not leaf.tag.startswith(EDITORS):
                 left_out[f"elements of namespace {leaf.tag[1:].split('}')[0]}"] += 1
             continue
-        layers.add(leaf.layer)
-        if not reading.chooses(leaf.layer):
-            left_out[f"layer {leaf.layer or '(none)'}: elements"] += 1
-        elif leaf.hidden:
-            left_out[leaf.hidden] += 1
+        layers.add(layer := leaf.at.layer)
+        if not reading.chooses(layer):
+            left_out[f"layer {layer or '(none)'}: elements"] += 1
+        elif leaf.at.hidden:
+            left_out[leaf.at.hidden] += 1
         elif not (drawn := _drawn(leaf, reading.join)):
             left_out[UNSEEN] += 1
-        elif is_background(leaf, drawn, paper):
+        elif _is_background(leaf, drawn, paper):
             notes.append(f"{leaf.name} fills the page: its background, which is not cut")
         else:
-            found += [DrawnEntity(chain, leaf.name, leaf.layer) for chain in drawn]
-            left_out["markers"] += leaf.marked
+            found += [DrawnEntity(chain, leaf.name, layer) for chain in drawn]
+            markers = [v for name, v in leaf.at.style.items() if name.startswith("marker")]
+            left_out["markers"] += not {*markers} <= {"none", ""}
             over += any(_out_of(paper, chain) is not None for chain in drawn)
     reading.check_layers(sorted(layers - {""}))
     if over:
@@ -148,22 +149,23 @@ def read_svg(file: Path, reading: Reading) -> Drawing:
 
 def _drawn(leaf: Leaf, near: float) -> list[Chain]:
     """Chains of a shape, none of one that does not show. near: of ends that will be joined [m]."""
-    label = f"{leaf.name} on layer {leaf.layer or '(none)'}"
-    if leaf.trouble:
-        raise ValueError(f"{label}: {leaf.trouble}".replace(": it ", " ", 1))
+    label, at = f"{leaf.name} on layer {leaf.at.layer or '(none)'}", leaf.at
+    if at.trouble:
+        raise ValueError(f"{label}: {at.trouble}".replace(": it ", " ", 1))
+    if not (leaf.filled or leaf.stroked):
+        return []
     try:
-        if not (leaf.filled or leaf.stroked):
-            return []
-        path, scale = leaf.path, np.linalg.svd(leaf.matrix[:2, :2], compute_uv=False)
+        path = shape(leaf.tag, leaf.element, at.matrix, at.viewport)
+        scale = np.linalg.svd(at.matrix[:2, :2], compute_uv=False)
         if scale[1] <= ROUND * scale[0]:
             raise ValueError("its transform leaves no area of it")
-        found = list(chains(path, leaf.matrix))
+        found = list(chains(path, at.matrix))
         if not found and (ends := [segment.end for segment in path if segment.end is not None]):
-            raise ValueError(f"it has zero length at {place(_point(ends[0], leaf.matrix))}")
+            raise ValueError(f"it has zero length at {place(_point(ends[0], at.matrix))}")
         for chain in found:
-            for clip in leaf.clips:
-                if (at := _out_of(clip, chain)) is not None:
-                    raise ValueError(f"{clip[2]} clips it at {place(at)}")
+            for clip in at.clips:
+                if (out := _out_of(clip, chain)) is not None:
+                    raise ValueError(f"{clip[2]} clips it at {place(out)}")
             gap = float(np.linalg.norm(chain.points[-1] - chain.points[0]))
             if not leaf.stroked and gap > near and len(chain.bulge) > 1:
                 raise ValueError(
@@ -172,26 +174,28 @@ def _drawn(leaf: Leaf, near: float) -> list[Chain]:
                 )
     except ValueError as error:
         raise ValueError(f"{label}: {error}") from error
-    lone = [] if leaf.stroked else [c for c in found if len(c.bulge) == 1]  # a fill of no area
-    return [chain for chain in found if chain not in lone]
+    return [c for c in found if leaf.stroked or len(c.bulge) > 1]  # one element has no fill
 
 
 def _out_of(clip: Clip, chain: Chain) -> Array | None:
     """A point of a chain outside of a viewport [m]."""
-    matrix, size, _ = clip
-    points = chain.polygon()
-    inside = (points - matrix[:2, 2]) @ np.linalg.inv(matrix[:2, :2]).T
-    near = EDGE * max(size)
-    out = ((inside < -near) | (inside > np.array(size) + near)).any(axis=1)
+    points, size = chain.polygon(), np.array(clip[1])
+    inside, near = _within(clip, points), EDGE * size.max()
+    out = ((inside < -near) | (inside > size + near)).any(axis=1)
     return points[int(out.argmax())] if out.any() else None
 
 
-def is_background(leaf: Leaf, drawn: list[Chain], paper: Clip) -> bool:
+def _within(clip: Clip, points: Array) -> Array:
+    """Points (N, 2) [m] in the coordinates of a viewport."""
+    matrix = clip[0]
+    return (points - matrix[:2, 2]) @ np.linalg.inv(matrix[:2, :2]).T
+
+
+def _is_background(leaf: Leaf, drawn: list[Chain], paper: Clip) -> bool:
     """A filled rectangle without stroke that covers the page."""
     if leaf.stroked or len(drawn) != 1 or not drawn[0].closed or drawn[0].bulge.any():
         return False
-    matrix, size, _ = paper
-    inside = (drawn[0].points - matrix[:2, 2]) @ np.linalg.inv(matrix[:2, :2]).T
+    inside, size = _within(paper, drawn[0].points), paper[1]
     near = PAGE * max(size)
     corners = np.minimum(np.abs(inside), np.abs(inside - size)) <= near
     return bool(corners.all() and (np.abs(np.ptp(inside, axis=0) - size) <= 2 * near).all())
