@@ -138,12 +138,12 @@ class Spiral:
         return 0.5 * (low + high)
 
     @cached_property
-    def _table(self) -> tuple[Array, Array]:
-        return self._arc_length(self._span), np.linspace(0.0, 1.0, NODES)
+    def _table(self) -> Array:
+        return self._arc_length(self._span)
 
     def _parameter(self, s: Array) -> Array:
         """x at arc length s: the table, then two steps of Newton's method."""
-        arc_length, nodes = self._table
+        arc_length, nodes = self._table, np.linspace(0.0, 1.0, NODES)
         x = np.interp(s, arc_length, nodes)
         for _ in range(2):
             below = np.clip(np.searchsorted(nodes, x, side="right") - 1, 0, NODES - 2)
@@ -190,19 +190,9 @@ class CuttingPath:
         return cls(curve=curve, plane=plane, lead_in=length, lead_out=length, spiral=spiral)
 
     @property
-    def contour_start(self) -> float:
-        """Arc length at the start of the contour [m]."""
-        return self.lead_in
-
-    @property
-    def contour_end(self) -> float:
-        """Arc length at the end of the contour [m]."""
-        return self.lead_in + self.curve.length
-
-    @property
     def length(self) -> float:
         """[m], leads included."""
-        return self.contour_end + self.lead_out
+        return self.lead_in + self.curve.length + self.lead_out
 
     @property
     def smallest_radius(self) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from armside.sim.motion.profile_grid import SLACK, nearly_at_rest
+from armside.sim.motion.profile_grid import nearly_at_rest
 from armside.sim.motion.profile_program import LimitRows, Programme, largest, stacked
 from armside.sim.motion.speed_profile import Bends, _first_grid, profiles
 from armside.sim.motion.timing import PathLimits, rest_to_rest
@@ -214,6 +214,6 @@ def test_a_rest_between_bends_is_seen_and_slow_bends_are_none():
     lengths, curvature = bent(0.1e-3, np.array([0.06, 0.06]), (1,))
     grid = _first_grid(Bends(lengths, curvature), 0.167, LIMITS)
     held = np.full(len(grid.s), np.sqrt(LIMITS.acceleration * 0.1e-3))
-    assert not nearly_at_rest(grid, held**2, SLACK).any()
+    assert not nearly_at_rest(grid, held**2).any()
     held[125] = 0.1 * held[125]
-    assert np.flatnonzero(nearly_at_rest(grid, held**2, SLACK)).tolist() == [125]
+    assert np.flatnonzero(nearly_at_rest(grid, held**2)).tolist() == [125]
