@@ -73,11 +73,17 @@ def kerf(
     if len(path) and np.isfinite(path).all():
         radius = 0.5 * beam
         swept = np.vstack([path, path[:1]]) if closed else path
-        discs = _resampled(swept, radius / _DISCS_PER_RADIUS)
+        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(swept, axis=0), axis=1))])
+        n_discs = int(np.ceil(along[-1] / (radius / _DISCS_PER_RADIUS))) + 1
+        at = np.linspace(0.0, along[-1], n_discs)
+        discs = np.column_stack([np.interp(at, along, column) for column in swept.T])
         foot, tangent = curve.point(s), curve.tangent(s)
         normal = outward_normal(tangent)
         nearest = np.rint(curve.nearest(discs) / step - 0.5).astype(int)
-        for shift in _shifts(curve, path, radius, step):
+        # To the contour points whose normals a disc can meet: inside a bend they are closer.
+        inside = np.abs(signed_distance(curve, path)).max() / curve.smallest_radius
+        n = int(np.ceil(radius / (step * (1.0 - min(inside, _MOST_INSIDE))))) + 1
+        for shift in range(-n, n + 1):
             i = (nearest + shift) % n_points
             offset = discs - foot[i]
             along = np.einsum("ij,ij->i", offset, tangent[i])
@@ -89,20 +95,3 @@ def kerf(
     cut = np.isfinite(outer)
     outer, inner = np.where(cut, outer, np.nan), np.where(cut, inner, np.nan)
     return Kerf(curve=curve, beam=beam, arc_length=s, outer=outer, inner=inner)
-
-
-def _shifts(curve: ClosedCurve, path: Array, radius: float, step: float) -> range:
-    """Offsets from the nearest contour point to those whose normals a disc can meet.
-
-    Inside a bend the normals are closer together: a disc meets more of them.
-    """
-    inside = np.abs(signed_distance(curve, path)).max() / curve.smallest_radius
-    n = int(np.ceil(radius / (step * (1.0 - min(inside, _MOST_INSIDE))))) + 1
-    return range(-n, n + 1)
-
-
-def _resampled(path: Array, step: float) -> Array:
-    """The polyline through (K, 2) points, at most `step` [m] apart."""
-    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
-    at = np.linspace(0.0, s[-1], int(np.ceil(s[-1] / step)) + 1)
-    return np.column_stack([np.interp(at, s, column) for column in path.T])
