@@ -57,9 +57,7 @@ class Kerf:
         return float(np.ptp(self.hole_deviation))
 
 
-def kerf(
-    curve: ClosedCurve, path: Array, beam: float, n_points: int = POINTS, *, closed: bool = True
-) -> Kerf:
+def kerf(curve: ClosedCurve, path: Array, beam: float, *, closed: bool = True) -> Kerf:
     """Edges of the area that a disc of diameter `beam` [m] sweeps along a path.
 
     path: (K, 2) [m], centre of the beam in the plane of the contour, registered on it; the last
@@ -67,9 +65,9 @@ def kerf(
     """
     if not beam > 0.0:
         raise ValueError(f"beam must be > 0 m, got {beam}")
-    step = curve.length / n_points
-    s: Array = (np.arange(n_points, dtype=np.float64) + 0.5) * step
-    outer, inner = np.full(n_points, -np.inf), np.full(n_points, np.inf)
+    step = curve.length / POINTS
+    s: Array = (np.arange(POINTS, dtype=np.float64) + 0.5) * step
+    outer, inner = np.full(POINTS, -np.inf), np.full(POINTS, np.inf)
     if len(path) and np.isfinite(path).all():
         radius = 0.5 * beam
         swept = np.vstack([path, path[:1]]) if closed else path
@@ -84,7 +82,7 @@ def kerf(
         inside = np.abs(signed_distance(curve, path)).max() / curve.smallest_radius
         n = int(np.ceil(radius / (step * (1.0 - min(inside, _MOST_INSIDE))))) + 1
         for shift in range(-n, n + 1):
-            i = (nearest + shift) % n_points
+            i = (nearest + shift) % POINTS
             offset = discs - foot[i]
             along = np.einsum("ij,ij->i", offset, tangent[i])
             hit = np.abs(along) < radius

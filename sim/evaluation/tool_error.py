@@ -19,6 +19,8 @@ from armside.ilc.measures.iso9283 import crossings, path_accuracy, path_repeatab
 from ..motion.contour import Circle, ClosedCurve, outward_normal
 from ..motion.path import Plane
 
+STEPS = 20
+"""Most steps of a fit."""
 CONVERGED = 1e-12
 """[m] and [rad]: largest last step of a fit."""
 INSIDE = 0.5
@@ -98,14 +100,14 @@ class Fit(NamedTuple):
     """(N,) [m], signed distance from the contour, above 0 outside."""
 
 
-def fit(contour: ClosedCurve, p: Array, iterations: int = 20) -> Fit:
+def fit(contour: ClosedCurve, p: Array) -> Fit:
     """Least-squares registration of points (N, 2) [m] on a contour, by Gauss-Newton.
 
     The rotation of a circle is undetermined: it is only moved.
     """
     rotate = not isinstance(contour, Circle)
     moved = np.array(p, dtype=np.float64)
-    for _ in range(iterations):
+    for _ in range(STEPS):
         distance, normal = _distance(contour, moved)
         lever = moved[:, 0] * normal[:, 1] - moved[:, 1] * normal[:, 0]
         J = np.column_stack([normal, lever]) if rotate else normal

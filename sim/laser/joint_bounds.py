@@ -56,8 +56,6 @@ class JointBounds:
     """(2,) [m], of the part in the drawing, which lies at the plane's origin."""
     speed: float
     """Highest speed along the path [m/s], for friction."""
-    joint_acceleration: tuple[float, ...] = Dynamics().joint_acceleration
-    """(6,) [rad/s^2]."""
 
     def along(self, paths: Sequence[Chain]) -> list[BoundsAt | None]:
         """Limits along each path in the drawing; None where none can be reached.
@@ -105,7 +103,7 @@ class JointBounds:
         # Torques at the arm, of gravity, per acceleration and per v^2 along the path.
         gravity, along, curved = statics.motor_torque(statics.rigid_terms(phi, slope, bend))
         available = self._available(statics.model.drives, slope)
-        acceleration = np.array(self.joint_acceleration)
+        acceleration = np.array(Dynamics().joint_acceleration)
         return Bounds(
             speed=(np.array(limits.speed) / np.maximum(np.abs(slope), 1e-12)).min(axis=1),
             along=np.hstack([slope / acceleration, (along - gravity) / available]),

@@ -16,7 +16,6 @@ from ..evaluation.tool_error import ToolError
 from ..instruments.laser_tracker import TrackerSamples
 from ..instruments.noise import rate_of, stride
 from ..motion.instructions import Dynamics, MoveL, Program, Speed, Target
-from ..motion.path import Plane
 from ..motion.planner import straight_timing
 from ..motion.tool_motion import joint_reference
 from ..notes import Cause, Note
@@ -84,9 +83,57 @@ class PartCut(Setup[PartMotion]):
         ]
         return {"seconds": found.seconds, "contours": contours, "notes": list(plan_notes(found))}
 
+    @cached_property
+    def motion(self) -> PartMotion:
+        """Of the tool, which starts at the lower left corner of the part's box.
+
+        Raises ValueError where the part is out of reach, with the place.
+        """
+        legs, (a, b) = tuple(self._legs()), map(float, self.part.middle)
+        return PartMotion(
+            legs=legs,
+            plane=self.plane,
+            middle=(a, b),
+            tool_quaternion=self.tool_pose.quaternion,
+            n_samples=samples_until(legs, REST_AFTER, LOG_PERIOD),
+            step=LOG_PERIOD,
+            rest_before=REST_BEFORE,
+        )
+
+    def _legs(self) -> Iterator[Leg]:
+        moves, clock, cell, cutting = rapid_moves(self.plan), REST_BEFORE, self.cell, self.cutting
+        placed = self.plane.to_base(moves - self.part.middle)
+        phi, most = motors_at(self, placed[:, 0], moves[:, 0]), self.limits.acceleration
+        dynamics = Dynamics(path_acceleration=most, jerk_time=most / self.limits.jerk)
+        for cut, ends, tool, motors in zip(self.plan.cuts, moves, placed, phi, strict=True):
+            length = float(np.linalg.norm(tool[1] - tool[0]))
+            if length >= NOWHERE:
+                there = MoveL(to=Target(position=tuple(tool[1])), speed=Speed(path=cutting.rapid))
+                rapid = Program(
+                    instructions=(there,),
+                    start=tuple(motors),
+                    dynamics=dynamics,
+                    source="rapid move",
+                )
+                timing = straight_timing(rapid, cell.robot, cell.limits)
+                timing = replace(timing, state=length * timing.state)
+                yield Leg(path=Chain(ends, np.zeros(1)), timing=timing, start=clock)
+                clock = on_grid(clock + timing.duration, LOG_PERIOD)
+            clock = on_grid(clock + cutting.pierce, LOG_PERIOD)
+            leg = CutLeg(
+                path=cut.path,
+                timing=cut.profile.timing,
+                start=clock,
+                name=cut.contour.name,
+                kind=cut.contour.kind,
+                lead=cut.lead,
+                asked_speed=cutting.speed,
+            )
+            yield leg
+            clock = on_grid(leg.end, LOG_PERIOD)
+
     def planned(self, nominal: Statics) -> tuple[PartMotion, Array]:
-        motion = sequence(self, self.plan, self.plane)
-        return motion, reference(self, nominal, motion)
+        return self.motion, reference(self, nominal, self.motion)
 
     def errors(
         self, motion: PartMotion, time: Array, position: Array, *, edges: bool = True
@@ -162,60 +209,6 @@ class PartCut(Setup[PartMotion]):
 def timed(motion: PartMotion) -> Sequence[Timed]:
     """Contours of a part in their order."""
     return [Timed(cut.name, *cut.contour_time) for cut in motion.cuts]
-
-
-def sequence(setup: Setup, plan: Plan, plane: Plane) -> PartMotion:
-    """Motion of the tool, which starts at the lower left corner of the part's box.
-
-    Raises ValueError where the part is out of reach, with the place.
-    """
-    legs = list(_legs(setup, plan, plane))
-    w, x, y, z = setup.tool_pose.quaternion
-    a, b = map(float, plan.part.middle)
-    return PartMotion(
-        legs=tuple(legs),
-        plane=plane,
-        middle=(a, b),
-        tool_quaternion=(w, x, y, z),
-        n_samples=samples_until(legs, REST_AFTER, LOG_PERIOD),
-        step=LOG_PERIOD,
-        rest_before=REST_BEFORE,
-    )
-
-
-def _legs(setup: Setup, plan: Plan, plane: Plane) -> Iterator[Leg]:
-    moves, clock = rapid_moves(plan), REST_BEFORE
-    placed = plane.to_base(moves - plan.part.middle)
-    phi, path = motors_at(setup, placed[:, 0], moves[:, 0]), setup.limits
-    jerk_time = path.acceleration / path.jerk
-    dynamics = Dynamics(path_acceleration=path.acceleration, jerk_time=jerk_time)
-    for cut, ends, tool, motors in zip(plan.cuts, moves, placed, phi, strict=True):
-        length = float(np.linalg.norm(tool[1] - tool[0]))
-        if length >= NOWHERE:
-            program = Program(
-                instructions=(
-                    MoveL(to=Target(position=tuple(tool[1])), speed=Speed(path=plan.cutting.rapid)),
-                ),
-                start=tuple(map(float, motors)),
-                dynamics=dynamics,
-                source="rapid move",
-            )
-            timing = straight_timing(program, setup.cell.robot, setup.cell.limits)
-            timing = replace(timing, state=length * timing.state)
-            yield Leg(path=Chain(ends, np.zeros(1)), timing=timing, start=clock)
-            clock = on_grid(clock + timing.duration, LOG_PERIOD)
-        clock = on_grid(clock + plan.cutting.pierce, LOG_PERIOD)
-        leg = CutLeg(
-            path=cut.path,
-            timing=cut.profile.timing,
-            start=clock,
-            name=cut.contour.name,
-            kind=cut.contour.kind,
-            lead=cut.lead,
-            asked_speed=plan.cutting.speed,
-        )
-        yield leg
-        clock = on_grid(leg.end, LOG_PERIOD)
 
 
 def reference(setup: Setup, controller: Statics, motion: PartMotion) -> Array:

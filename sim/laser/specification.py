@@ -215,7 +215,6 @@ class Cut(Setup[ToolMotion]):
             cell.limits,
             start=cell.home,
             path_limits=self.limits,
-            step=LOG_PERIOD,
             free_rotation=cell.free_rotation,
         )
         shift = anticipated_shift(nominal, phi, LOG_PERIOD)

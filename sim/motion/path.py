@@ -75,7 +75,7 @@ NODES = 2001
 class Spiral:
     """Lead-in that spirals outwards: the contour under a scale that grows to 1.
 
-        p(x) = scale(x) contour(end - span (1 - x)),  scale(x) = 1 - (1 - inner) (1 - x)^3
+        p(x) = scale(x) contour(length - span (1 - x)),  scale(x) = 1 - (1 - inner) (1 - x)^3
 
     for x from 0 to 1. The first two derivatives of the scale end at zero, so that position,
     direction and curvature join those of the contour. `span` [m] is the part of the contour that is
@@ -83,9 +83,8 @@ class Spiral:
     """
 
     curve: ClosedCurve
-    end: float
     length: float
-    """[m]: arc length of the contour at the end of the spiral, and length of the spiral."""
+    """[m], of the spiral, and arc length of the contour at its end."""
     inner: float
     """Scale at its start."""
 
@@ -93,7 +92,7 @@ class Spiral:
         """Shape (..., 2) [m], s from 0 to `length`."""
         x = self._parameter(np.asarray(s, dtype=np.float64))
         scale = 1.0 - (1.0 - self.inner) * (1.0 - x) ** 3
-        return scale[..., np.newaxis] * self.curve.point(self.end - self._span * (1.0 - x))
+        return scale[..., np.newaxis] * self.curve.point(self.length - self._span * (1.0 - x))
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector along increasing s, shape (..., 2)."""
@@ -108,7 +107,7 @@ class Spiral:
         return float(1.0 / np.max(np.abs(np.diff(heading) / np.diff(s))))
 
     def _velocity(self, x: Array, span: float) -> Array:
-        on_contour = self.end - span * (1.0 - x)
+        on_contour = self.length - span * (1.0 - x)
         scale = 1.0 - (1.0 - self.inner) * (1.0 - x) ** 3
         growth = 3.0 * (1.0 - self.inner) * (1.0 - x) ** 2
         along = (span * scale)[..., np.newaxis] * self.curve.tangent(on_contour)
@@ -220,4 +219,4 @@ class CuttingPath:
     def _spiral(self) -> Spiral | None:
         if self.spiral is None or self.lead_in == 0.0:
             return None
-        return Spiral(self.curve, self.lead_in, self.lead_in, self.spiral)
+        return Spiral(self.curve, self.lead_in, self.spiral)

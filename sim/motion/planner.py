@@ -18,7 +18,10 @@ from .curves import Curve, blend, check_limits, move_curve, zone_fraction
 from .instructions import Instruction, Move, Program, ProgramError, Speed, Wait
 from .move_timing import PieceLimits, curve_bounds, fastest, piece_limits, time_chain
 from .timing import Timing
+from .tool_motion import STEP
 
+REST_AFTER = 0.5
+"""[s]."""
 N_PARTS = 8
 """Parts into which a move that is limited somewhere is divided."""
 PLACES = 201
@@ -83,8 +86,6 @@ def plan_program(
     limits: Limits,
     *,
     rest_before: float = 0.5,
-    rest_after: float = 0.5,
-    step: float = 0.004,
 ) -> ProgramMotion:
     """Plan a program: geometry, corners, then the fastest timing the limits allow.
 
@@ -105,8 +106,8 @@ def plan_program(
             spans.append(_Span(clock, piece.instruction, piece.curve, timing))
             clock += timing.duration
     # Between spans the robot rests.
-    n = int(np.ceil((clock + rest_after) / step - 1e-9)) + 1
-    time: Array = np.arange(n, dtype=np.float64) * step
+    n = int(np.ceil((clock + REST_AFTER) / STEP - 1e-9)) + 1
+    time: Array = np.arange(n, dtype=np.float64) * STEP
     phi, instructions = np.tile(np.array(program.start), (n, 1)), np.zeros(n, dtype=np.int64)
     for begin, index, curve, timing in spans:
         instructions[time >= begin] = index

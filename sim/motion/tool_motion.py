@@ -27,6 +27,10 @@ from .contour import ClosedCurve
 from .path import CuttingPath, Plane
 from .timing import PathLimits, Timing, rest_to_rest
 
+STEP = 0.004
+"""[s], of the log."""
+REST_AFTER = 0.35
+"""[s]."""
 LimitHit = tuple[str, int, float]
 """(limit, axis, first time [s]); axis 0 is the tool on its path."""
 
@@ -99,23 +103,17 @@ def cut(
     *,
     limits: PathLimits | None = None,
     rest_before: float = 0.28,
-    rest_after: float = 0.35,
-    step: float = 0.004,
 ) -> ToolMotion:
     """Motion along `path` at `speed` [m/s] with constant tool orientation, from rest to rest.
 
     The speed is lowered to the limit of the smallest radius; leads that are too short for the ramps
-    are lengthened, so that the whole contour is cut at constant speed. The default rests are those
-    of the calibrated record (0.16 s hold and 0.12 s rest; 0.35 s).
+    are lengthened, so that the whole contour is cut at constant speed. The rests are those of the
+    calibrated record (0.16 s hold and 0.12 s rest; 0.35 s).
 
-    Raises ValueError for speed, step or rest out of range, or a quaternion of zero length.
+    Raises ValueError for a speed out of range, or a quaternion of zero length.
     """
     if not (np.isfinite(speed) and speed > 0.0):
         raise ValueError(f"speed must be > 0 m/s, got {speed}")
-    if not (step > 0.0 and rest_before >= 0.0 and rest_after >= 0.0):
-        raise ValueError(
-            f"step must be > 0 and rests >= 0 s, got {step}, {rest_before}, {rest_after}"
-        )
     q = np.asarray(quaternion, dtype=np.float64)
     if q.shape != (4,) or not np.all(np.isfinite(q)) or np.linalg.norm(q) < 1e-9:
         raise ValueError(f"quaternion must be four finite numbers, not all zero, got {quaternion}")
@@ -128,8 +126,8 @@ def cut(
     s_cruise, cruise_speed, _ = timing.at(cruise)
     first = float(rest_before + cruise + (path.lead_in - s_cruise) / cruise_speed)
     last = first + path.curve.length / float(cruise_speed)
-    n_samples = int(np.ceil((rest_before + timing.duration + rest_after) / step - 1e-9)) + 1
-    time: Array = np.arange(n_samples, dtype=np.float64) * step
+    n_samples = int(np.ceil((rest_before + timing.duration + REST_AFTER) / STEP - 1e-9)) + 1
+    time: Array = np.arange(n_samples, dtype=np.float64) * STEP
     s, _, _ = timing.at(time - rest_before)
     # Limits of acceleration reached: across the path (lower speed) and along it (longer ramp).
     hits: list[LimitHit] = []
@@ -208,7 +206,6 @@ def plan_cut(
     *,
     start: ArrayLike | None = None,
     path_limits: PathLimits | None = None,
-    step: float = 0.004,
     free_rotation: bool = False,
 ) -> tuple[ToolMotion, Array]:
     """Motion of a cut and its joint reference (N, n) [rad], within path and joint limits.
@@ -217,9 +214,9 @@ def plan_cut(
     """
     reached, slowed = speed, ()
     while True:
-        motion = cut(path, tool_quaternion, reached, limits=path_limits, step=step)
+        motion = cut(path, tool_quaternion, reached, limits=path_limits)
         phi = joint_reference(motion, robot, joint_limits, start=start, free_rotation=free_rotation)
-        use = np.abs(np.gradient(phi, step, axis=0)) / np.array(joint_limits.speed)
+        use = np.abs(np.gradient(phi, STEP, axis=0)) / np.array(joint_limits.speed)
         if use.max() <= 1.0:
             break
         axis = int(np.argmax(use.max(axis=0)))
