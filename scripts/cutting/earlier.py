@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from armside.arrays import Array
 from armside.ilc.workbench.compare import RunState, read_states, save_states
-from armside.sim.part.carried import Motion, carried
+from armside.sim.part.motion import Motion, carried
 from armside.sim.records.run_folder import RUNS, RunFolder, check_writable
 from armside.sim.records.stored_run import StoredRun, read_run
 from armside.sim.robot_file.find import find_cell

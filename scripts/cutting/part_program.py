@@ -89,9 +89,7 @@ def write_program(
 
     Returns lines and entries about it, and a note where they are held back.
     """
-    from armside.sim.laser.part_cut import sequence
-
-    motion = sequence(what, what.plan, what.plane)
+    motion = what.motion
     rows, largest, notes, lines = None, 0.0, list[Note](), list[str]()
     if learner is not None and last is not None:
         offsets = learner.program.offsets(last.correction)

@@ -27,11 +27,8 @@ def corner_error(curve: ChainCurve, path: Array) -> float:
     Each corner counts with the first millimetres behind it, as the cornering overshoot of ISO 9283
     does. The path runs as the contour does.
     """
-    at = curve.nearest(path)
-    here = in_corners(curve, at)
-    if not here.any():
-        return np.nan
-    return float(np.abs(signed_distance(curve, path[here])).max())
+    here = in_corners(curve, curve.nearest(path))
+    return float(np.abs(signed_distance(curve, path[here])).max()) if here.any() else np.nan
 
 
 def in_corners(curve: ChainCurve, s: Array) -> NDArray[np.bool_]:
@@ -82,26 +79,21 @@ def contour_errors(
 
 
 def _error(place: ContourPlace, time: Array, position: Array, beam: float | None) -> ContourError:
-    shape = tool_error(place, time, position)
-    round_edge = corner = np.nan
-    if beam is not None and isinstance(place.curve, Circle):
-        round_edge = kerf(place.curve, shape.path, beam).roundness
-    if beam is not None and isinstance(place.curve, ChainCurve):
-        corner = corner_error(place.curve, shape.path)
+    shape, curve = tool_error(place, time, position), place.curve
+    in_plane = place.plane.from_base(position)[:, :2]
+    roundness = corner = offset = np.nan
+    if beam is not None and isinstance(curve, Circle):
+        roundness = kerf(curve, shape.path, beam).roundness
+    if beam is not None and isinstance(curve, ChainCurve):
+        corner = corner_error(curve, shape.path)
+    if len(in_plane) == len(shape.path) > 0:  # the best fit has moved it by that
+        offset = float(np.linalg.norm((in_plane - shape.path).mean(axis=0)))
     return ContourError(
         rms=shape.rms,
         maxdev=shape.maxdev,
-        position=_offset(place, position, shape.path),
+        position=offset,
         path_accuracy=path_measures(place, [(time, position)]).accuracy,
-        roundness=round_edge,
+        roundness=roundness,
         corner=corner,
         path=shape.path,
     )
-
-
-def _offset(place: ContourPlace, position: Array, fitted: Array) -> float:
-    """Distance of the middle of a contour from its place [m]: what the best fit has moved it by."""
-    in_plane = place.plane.from_base(position)[:, :2]
-    if len(in_plane) != len(fitted) or not len(fitted):
-        return np.nan
-    return float(np.linalg.norm((in_plane - fitted).mean(axis=0)))

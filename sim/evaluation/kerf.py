@@ -57,9 +57,7 @@ class Kerf:
         return float(np.ptp(self.hole_deviation))
 
 
-def kerf(
-    curve: ClosedCurve, path: Array, beam: float, n_points: int = POINTS, *, closed: bool = True
-) -> Kerf:
+def kerf(curve: ClosedCurve, path: Array, beam: float, *, closed: bool = True) -> Kerf:
     """Edges of the area that a disc of diameter `beam` [m] sweeps along a path.
 
     path: (K, 2) [m], centre of the beam in the plane of the contour, registered on it; the last
@@ -67,18 +65,24 @@ def kerf(
     """
     if not beam > 0.0:
         raise ValueError(f"beam must be > 0 m, got {beam}")
-    step = curve.length / n_points
-    s: Array = (np.arange(n_points, dtype=np.float64) + 0.5) * step
-    outer, inner = np.full(n_points, -np.inf), np.full(n_points, np.inf)
+    step = curve.length / POINTS
+    s: Array = (np.arange(POINTS, dtype=np.float64) + 0.5) * step
+    outer, inner = np.full(POINTS, -np.inf), np.full(POINTS, np.inf)
     if len(path) and np.isfinite(path).all():
         radius = 0.5 * beam
         swept = np.vstack([path, path[:1]]) if closed else path
-        discs = _resampled(swept, radius / _DISCS_PER_RADIUS)
+        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(swept, axis=0), axis=1))])
+        n_discs = int(np.ceil(along[-1] / (radius / _DISCS_PER_RADIUS))) + 1
+        at = np.linspace(0.0, along[-1], n_discs)
+        discs = np.column_stack([np.interp(at, along, column) for column in swept.T])
         foot, tangent = curve.point(s), curve.tangent(s)
         normal = outward_normal(tangent)
         nearest = np.rint(curve.nearest(discs) / step - 0.5).astype(int)
-        for shift in _shifts(curve, path, radius, step):
-            i = (nearest + shift) % n_points
+        # To the contour points whose normals a disc can meet: inside a bend they are closer.
+        inside = np.abs(signed_distance(curve, path)).max() / curve.smallest_radius
+        n = int(np.ceil(radius / (step * (1.0 - min(inside, _MOST_INSIDE))))) + 1
+        for shift in range(-n, n + 1):
+            i = (nearest + shift) % POINTS
             offset = discs - foot[i]
             along = np.einsum("ij,ij->i", offset, tangent[i])
             hit = np.abs(along) < radius
@@ -89,20 +93,3 @@ def kerf(
     cut = np.isfinite(outer)
     outer, inner = np.where(cut, outer, np.nan), np.where(cut, inner, np.nan)
     return Kerf(curve=curve, beam=beam, arc_length=s, outer=outer, inner=inner)
-
-
-def _shifts(curve: ClosedCurve, path: Array, radius: float, step: float) -> range:
-    """Offsets from the nearest contour point to those whose normals a disc can meet.
-
-    Inside a bend the normals are closer together: a disc meets more of them.
-    """
-    inside = np.abs(signed_distance(curve, path)).max() / curve.smallest_radius
-    n = int(np.ceil(radius / (step * (1.0 - min(inside, _MOST_INSIDE))))) + 1
-    return range(-n, n + 1)
-
-
-def _resampled(path: Array, step: float) -> Array:
-    """The polyline through (K, 2) points, at most `step` [m] apart."""
-    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
-    at = np.linspace(0.0, s[-1], int(np.ceil(s[-1] / step)) + 1)
-    return np.column_stack([np.interp(at, s, column) for column in path.T])

@@ -75,6 +75,8 @@ def motion_error(
 
     mj: model with the sites `tool0` and `imu`, and gravity.
     """
+    from scipy.signal import savgol_filter
+
     step = float(truth.time[1] - truth.time[0])
     truth = truth.every(max(1, round(1e-3 / step)))
     time, h = truth.time, float(truth.time[1] - truth.time[0])
@@ -87,7 +89,13 @@ def motion_error(
         excess = np.full_like(excess, np.nan)
     off, vibration = (np.linalg.norm(each, axis=1) for each in (error, excess))
     at_first = int(moving.argmax()) if moving.any() else len(moving)
-    rests = [(a, b) for a, b in _rests(moving) if a > 0]
+    # First sample of each rest after a motion and that after its last, two samples at least.
+    edges = np.flatnonzero(np.diff(np.concatenate([[True], moving, [True]]))).reshape(-1, 2)
+    rests = [(int(a), int(b)) for a, b in edges if b - a > 1 and a > 0]
+    bend = np.full(len(time), np.nan)
+    if len(error) >= WINDOW and np.isfinite(error).all():
+        second = savgol_filter(error, WINDOW, ORDER, deriv=2, delta=h, axis=0)
+        bend = np.linalg.norm(np.asarray(second), axis=1)
     return MotionError(
         tcp_rms=_rms(off),
         tcp_rms_less_rest=_rms(np.linalg.norm(error - error[: max(at_first, 1)].mean(0), axis=1)),
@@ -97,7 +105,7 @@ def motion_error(
         acceleration_rms=_rms(vibration),
         moving_acceleration_rms=_rms(vibration[moving]),
         rest_acceleration_rms=_rms(vibration[~moving]),
-        contour_acceleration_rms=_rms(_differentiated(error, h)[motion.is_on_contour(time)]),
+        contour_acceleration_rms=_rms(bend[motion.is_on_contour(time)]),
         settling=np.array([h * _settled(truth.tool_position[a:b]) for a, b in rests]),
         residual_vibration=np.array([_rms(vibration[a:b]) for a, b in rests]),
     )
@@ -112,27 +120,11 @@ def accelerations(truth: Truth, mj: mujoco.MjModel) -> Array:
     return np.einsum("kij,kj->ki", R_base_imu, truth.imu_acceleration) + mj.opt.gravity
 
 
-def _rests(moving: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First sample of each rest and that after its last; a rest has two samples at least."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[True], moving, [True]])))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2) if b - a > 1]
-
-
 def _settled(position: Array) -> float:
     """Samples of a rest until the tool stays where it ends; NaN where that is not a number."""
     away = np.linalg.norm(position - position[-1], axis=1)
     outside = np.flatnonzero(away > SETTLED)
     return float(outside[-1] + 1 if len(outside) else 0) if np.isfinite(away).all() else np.nan
-
-
-def _differentiated(error: Array, h: float) -> Array:
-    """(M,) [m/s^2], size of the second derivative of (M, 3) [m]."""
-    from scipy.signal import savgol_filter
-
-    if len(error) < WINDOW or not np.isfinite(error).all():
-        return np.full(len(error), np.nan)
-    second = np.asarray(savgol_filter(error, WINDOW, ORDER, deriv=2, delta=h, axis=0))
-    return np.linalg.norm(second, axis=1)
 
 
 def _rms(size: Array) -> float:

@@ -1,6 +1,5 @@
 """Measures and notes of recorded data, of a stored run or of any other robot: one analysis."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -191,7 +190,7 @@ def _one(
 def _measures(k: int, motor_error: Array, rms: float, maxdev: float) -> IterationMeasures:
     there = np.isfinite(motor_error)
     some = there.any(axis=0)
-    inf, two = (np.full(motor_error.shape[1], np.nan) for _ in range(2))
+    inf, two = np.full((2, motor_error.shape[1]), np.nan)
     whole = motor_error if some.all() else motor_error[:, some]
     whole = whole if there.all() else whole[there[:, some].all(axis=1)]
     if whole.size:
@@ -200,16 +199,12 @@ def _measures(k: int, motor_error: Array, rms: float, maxdev: float) -> Iteratio
 
 
 def _deviation(point: Array, turn: CircleTurn | ContourTurn) -> tuple[float, float]:
+    """RMS and largest distance [m] of points (M, 3) from the contour, after a best fit to it."""
     if len(point) < 3:
         return np.nan, np.nan
-    if isinstance(turn, ContourTurn):
-        return _from_contour(point, turn)
-    radii = norms.fit_circle(point, normal=turn.normal).radii
-    return norms.circle_rms(radii, turn.radius), norms.circle_maxdev(radii, turn.radius)
-
-
-def _from_contour(point: Array, turn: ContourTurn) -> tuple[float, float]:
-    """RMS and largest distance [m] of points (M, 3) from the contour, after a best fit to it."""
+    if isinstance(turn, CircleTurn):
+        radii = norms.fit_circle(point, normal=turn.normal).radii
+        return norms.circle_rms(radii, turn.radius), norms.circle_maxdev(radii, turn.radius)
     plane = Plane.perpendicular_to(turn.normal, point.mean(axis=0))
     c, s = np.cos(turn.turned), np.sin(turn.turned)
     flat = plane.from_base(point)[:, :2] @ np.array([[c, -s], [s, c]])
@@ -221,24 +216,16 @@ def _from_contour(point: Array, turn: ContourTurn) -> tuple[float, float]:
 
 def notes_of_signals(signals: Signals) -> list[Note]:
     """Notes of a stored run: of its programmed path, and of each iteration."""
-    return together(_of_signals(signals))
-
-
-def _of_signals(signals: Signals) -> Iterator[Note]:
-    if isinstance(signals.path, ToolMotion):
-        yield from motion_notes(signals.path)
+    found = [*motion_notes(signals.path)] if isinstance(signals.path, ToolMotion) else []
     for run in signals.runs:
-        yield from (note.at(run.k) for note in saturation(run.recording))
-        if run.tracker is not None:
-            yield from (note.at(run.k) for note in beam(run.tracker))
+        of_tracker = () if run.tracker is None else beam(run.tracker)
+        found += [note.at(run.k) for note in (*saturation(run.recording), *of_tracker)]
+    return together(found)
 
 
 def notes_of_table(table: pa.Table) -> list[Note]:
     """Notes of any other table: samples that its column `tracker_valid` calls lost."""
-    if TRUTH_VALUE not in table.column_names:
-        return []
-    lost = table[TRUTH_VALUE].cast(pa.bool_()).to_pylist().count(False)
-    if not lost:
-        return []
-    text = f"the laser tracker lost its beam in {lost} samples, which are left out"
-    return [Note(cause=Cause.BEAM, text=text)]
+    known = TRUTH_VALUE in table.column_names
+    seen = table[TRUTH_VALUE].cast(pa.bool_()).to_pylist() if known else []
+    text = f"the laser tracker lost its beam in {seen.count(False)} samples, which are left out"
+    return [Note(cause=Cause.BEAM, text=text)] if False in seen else []

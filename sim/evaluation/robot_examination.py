@@ -1,5 +1,6 @@
 """Examination of a robot model, with verdicts: geometry, limits, drives, masses, modes, poses."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -100,9 +101,8 @@ def checks_of(found: list[NamedPose]) -> list[Check]:
         others = "".join(f"; {one.name}" for one in missed[1:])
         what += f" ({missed[0].name}: {missed[0].problem}; {missed[0].nearest}{others})"
     checks = [_check(what, len(missed), high=0.0)]
-    reached = [one for one in found if one.motor_angle is not None]
-    if reached:
-        worst = min(reached, key=lambda one: one.dexterity)
+    if len(found) > len(missed):
+        worst = min(found, key=lambda one: np.nan_to_num(one.dexterity, nan=np.inf))
         far = f"least over greatest singular value of the Jacobian, pose {worst.name}"
         checks.append(_check(far, worst.dexterity, low=LEAST_DEXTERITY))
     return checks
@@ -124,13 +124,6 @@ def _motor_angles(cell: Cell, pose: ToolPose) -> Array:
     return phi
 
 
-def _can_be_cut_at(cell: Cell, pose: ToolPose) -> bool:
-    try:
-        return _dexterity(cell, _motor_angles(cell, pose)) >= LEAST_DEXTERITY
-    except ValueError:
-        return False
-
-
 def _nearest(cell: Cell, pose: ToolPose) -> Reachable:
     """Least squares of position and orientation within the limits, the best of several starts;
     from there towards home until it is no singularity, so that it can be cut at."""
@@ -150,9 +143,12 @@ def _nearest(cell: Cell, pose: ToolPose) -> Reachable:
     found = [least_squares(miss, start, bounds=ends).x for start in (first, *drawn)]
     within = [phi for phi in found if limits.contain(phi)] or [first]
     best = min(within, key=lambda phi: float(np.linalg.norm(miss(phi))))
-    path = (best + t * (first - best) for t in np.linspace(0.0, 1.0, 51))
-    usable = (phi for phi in path if _can_be_cut_at(cell, _rounded(tool_at(cell.robot, phi))))
-    best = next(usable, best)
+    for phi in best + np.linspace(0.0, 1.0, 51)[:, np.newaxis] * (first - best):
+        with suppress(ValueError):
+            there = _motor_angles(cell, _rounded(tool_at(cell.robot, phi)))
+            if _dexterity(cell, there) >= LEAST_DEXTERITY:
+                best = phi
+                break
     off = miss(best)
     angle = np.linalg.norm(off[3:]) / weight if weight else 0.0
     return Reachable(tool_at(cell.robot, best), float(np.linalg.norm(off[:3])), float(angle))
@@ -182,16 +178,11 @@ class Agreement:
 
 @dataclass(frozen=True)
 class Beside:
-    """Numbers of a robot beside their usual range."""
+    """Numbers of a robot beside their usual range for its reach."""
 
     usual: Usual
     values: Array
-    reach: float
-
-    @property
-    def range(self) -> tuple[float, float]:
-        """Ends for the robot's reach."""
-        return self.usual.range(self.reach)
+    range: tuple[float, float]
 
     @property
     def inside(self) -> bool:
@@ -215,15 +206,14 @@ class Examination:
     @cached_property
     def agreements(self) -> tuple[Agreement, ...]:
         """Of tool and IMU."""
-        return self._agreement("tool0", self.cell.robot), self._agreement("imu", self.cell.with_imu)
-
-    def _agreement(self, site: str, robot: kinematics.Robot) -> Agreement:
-        phi = self.configurations
-        T, expected = site_poses(self.model, phi, site)[0], kinematics.compile(robot).pose(phi)
-        position, rotation = between(T, expected)
-        worst = int(np.argmax(position / POSITION + rotation / ROTATION))
-        distance, angle = float(position.max()), float(rotation.max())
-        return Agreement(site=site, position=distance, rotation=angle, at=phi[worst])
+        found, phi = [], self.configurations
+        for site, robot in (("tool0", self.cell.robot), ("imu", self.cell.with_imu)):
+            T, expected = site_poses(self.model, phi, site)[0], kinematics.compile(robot).pose(phi)
+            position, rotation = between(T, expected)
+            worst = int(np.argmax(position / POSITION + rotation / ROTATION))
+            distance, angle = float(position.max()), float(rotation.max())
+            found.append(Agreement(site=site, position=distance, rotation=angle, at=phi[worst]))
+        return tuple(found)
 
     @cached_property
     def first_axis(self) -> int | None:
@@ -231,21 +221,23 @@ class Examination:
         return first_axis(self.model, self.cell.robot)
 
     @cached_property
+    def _tool(self) -> tuple[Array, Array]:
+        return site_poses(self.model, self.configurations)
+
+    @property
     def opening(self) -> float:
         """Widest opening of a closed chain [m]; 0 for an open one."""
-        return float(site_poses(self.model, self.configurations)[1].max())
+        return float(self._tool[1].max())
 
-    @cached_property
+    @property
     def reach(self) -> float:
         """Greatest distance of the tool from the base's origin in the configurations [m]."""
-        T, _ = site_poses(self.model, self.configurations)
-        return float(np.linalg.norm(T[:, :3, 3], axis=1).max())
+        return float(np.linalg.norm(self._tool[0][:, :3, 3], axis=1).max())
 
-    @cached_property
+    @property
     def horizontal_reach(self) -> float:
         """Greatest distance of the tool from the base's z-axis [m], as data sheets have it."""
-        T, _ = site_poses(self.model, self.configurations)
-        return float(np.linalg.norm(T[:, :2, 3], axis=1).max())
+        return float(np.linalg.norm(self._tool[0][:, :2, 3], axis=1).max())
 
     @cached_property
     def holding(self) -> Array:
@@ -279,7 +271,8 @@ class Examination:
             "gear": np.abs(self.model.drives.gear)[turning],
         }
         return [
-            Beside(USUAL[name], np.array(values[name]), self.horizontal_reach) for name in values
+            Beside(USUAL[name], np.array(own), USUAL[name].range(self.horizontal_reach))
+            for name, own in values.items()
         ]
 
     @cached_property
@@ -296,10 +289,8 @@ class Examination:
     @cached_property
     def highest_mode(self) -> float:
         """Highest natural frequency in any of the configurations, motors free [Hz]."""
-        highest = (
-            natural_frequencies(self.model, phi, locked=False)[-1] for phi in self.configurations
-        )
-        return float(max(highest))
+        modes = (natural_frequencies(self.model, p, locked=False) for p in self.configurations)
+        return float(max(each[-1] for each in modes))
 
     @property
     def mass(self) -> float:
@@ -325,36 +316,27 @@ class Examination:
         """Named poses of the cell, as its controller reaches them."""
         return named_poses(self.cell)
 
-    def _accelerations(self) -> list[Check]:
-        """Verdicts on the axis whose drive is furthest from what arms of this reach have."""
-        low, high = USUAL["acceleration"].range(self.horizontal_reach)
-        far = np.abs(np.log(self.acceleration / np.sqrt(low * high)))
-        axis = int(np.argmax(far))
-        what = f"peak torque over inertia, axis {axis + 1} [1/s^2]"
-        ends = low / POSSIBLE, high * POSSIBLE
-        return [_check(what, self.acceleration[axis], *ends)]
-
     def checks(self) -> list[Check]:
-        """Verdicts, each with its number and band."""
+        """Verdicts, each with its number and band; of accelerations, on the axis whose drive is
+        furthest from what arms of this reach have."""
         faster = np.max(np.array(self.cell.limits.speed) - self.model.drives.speed_limit)
+        low, high = USUAL["acceleration"].range(self.horizontal_reach)
+        axis = int(np.argmax(np.abs(np.log(self.acceleration / np.sqrt(low * high)))))
+        torque = f"peak torque over inertia, axis {axis + 1} [1/s^2]"
         margin, fastest = np.rad2deg(self.margins.min()), self.highest_mode * self.model.timestep
-        wrong = len(self.impossible_inertias)
         stops = "hard stops beyond the controller's limits [deg]"
-        found = [
-            _check(f"site {one.site} off the D-H model [{unit}]", 1e6 * value, high=1e6 * most)
-            for one in self.agreements
-            for unit, value, most in (
-                ("um", one.position, POSITION),
-                ("urad", one.rotation, ROTATION),
-            )
-        ]
+        found = list[Check]()
+        for one in self.agreements:
+            off, angle = f"site {one.site} off the D-H model", 1e6 * one.rotation
+            found.append(_check(f"{off} [um]", 1e6 * one.position, high=1e6 * POSITION))
+            found.append(_check(f"{off} [urad]", angle, high=1e6 * ROTATION))
         found += [
             _check("closed chains: opening [um]", 1e6 * self.opening, high=1e6 * LARGEST_GAP),
             _check(stops, margin, low=-float(np.rad2deg(ROUNDING))),
             _check("controller's speed above the drive's [rad/s]", faster, high=ROUNDING),
             _check("torque of gravity over the drive's limit", self.holding.max(), high=1.0),
-            *self._accelerations(),
-            _check("bodies with an impossible inertia", wrong, high=0.0),
+            _check(torque, self.acceleration[axis], low / POSSIBLE, high * POSSIBLE),
+            _check("bodies with an impossible inertia", len(self.impossible_inertias), high=0.0),
             _check("highest mode of the springs times time step", fastest, high=HIGHEST_MODE),
         ]
         if len(self.locked_modes):

@@ -7,7 +7,7 @@ repeatability after ISO 9283 are those of several runs, fitted together.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,8 @@ from armside.ilc.measures.iso9283 import crossings, path_accuracy, path_repeatab
 from ..motion.contour import Circle, ClosedCurve, outward_normal
 from ..motion.path import Plane
 
+STEPS = 20
+"""Most steps of a fit."""
 CONVERGED = 1e-12
 """[m] and [rad]: largest last step of a fit."""
 INSIDE = 0.5
@@ -71,8 +73,7 @@ def tool_error(motion: ProgrammedContour, time: Array, position: Array) -> ToolE
         path = points - _centre(points, curve.radius)
         deviation = curve.radius - np.hypot(path[:, 0], path[:, 1])
     else:
-        fitted = fit(curve, points)
-        path, deviation = fitted.points, fitted.deviation
+        path, deviation = fit(curve, points)
     rms, maxdev = float(np.sqrt(np.mean(deviation**2))), float(np.abs(deviation).max())
     return ToolError(rms=rms, maxdev=maxdev, path=path)
 
@@ -90,8 +91,7 @@ def _centre(points: Array, radius: float) -> Array:
     return centre if np.hypot(*(centre - mean)) <= INSIDE * radius else mean
 
 
-@dataclass(frozen=True, kw_only=True)
-class Fit:
+class Fit(NamedTuple):
     """Points in the plane of a contour after the rigid motion that fits them to it."""
 
     points: Array
@@ -100,14 +100,14 @@ class Fit:
     """(N,) [m], signed distance from the contour, above 0 outside."""
 
 
-def fit(contour: ClosedCurve, p: Array, iterations: int = 20) -> Fit:
+def fit(contour: ClosedCurve, p: Array) -> Fit:
     """Least-squares registration of points (N, 2) [m] on a contour, by Gauss-Newton.
 
     The rotation of a circle is undetermined: it is only moved.
     """
     rotate = not isinstance(contour, Circle)
     moved = np.array(p, dtype=np.float64)
-    for _ in range(iterations):
+    for _ in range(STEPS):
         distance, normal = _distance(contour, moved)
         lever = moved[:, 0] * normal[:, 1] - moved[:, 1] * normal[:, 0]
         J = np.column_stack([normal, lever]) if rotate else normal
@@ -158,8 +158,7 @@ def path_measures(motion: ProgrammedContour, runs: Sequence[tuple[Array, Array]]
 
 def commanded(motion: ProgrammedContour) -> Array:
     """Commanded points (M, 3) [m] of the contour in its plane: x, y and a height of zero."""
-    curve = motion.curve
-    return _flat(curve.point(_arc_length(curve.length)))
+    return np.pad(motion.curve.point(_arc_length(motion.curve.length)), ((0, 0), (0, 1)))
 
 
 def attained(motion: ProgrammedContour, runs: Sequence[tuple[Array, Array]]) -> Array:
@@ -179,7 +178,7 @@ def attained(motion: ProgrammedContour, runs: Sequence[tuple[Array, Array]]) -> 
         return np.full((len(turns), *points.shape), np.nan)
     moved = stacked - stacked.mean(axis=0)
     moved[:, :2] = fit(curve, moved[:, :2]).points
-    tangent = _flat(curve.tangent(_arc_length(curve.length)))
+    tangent = np.pad(curve.tangent(_arc_length(curve.length)), ((0, 0), (0, 1)))
     each = np.split(moved, np.cumsum([len(turn) for turn in turns])[:-1])
     return np.array([crossings(points, tangent, run) for run in each])
 
@@ -187,7 +186,3 @@ def attained(motion: ProgrammedContour, runs: Sequence[tuple[Array, Array]]) -> 
 def _arc_length(length: float) -> Array:
     # Away from the seam between the end of the contour and its start.
     return (np.arange(PLACES) + 0.5) * length / PLACES
-
-
-def _flat(p: Array) -> Array:
-    return np.column_stack([p, np.zeros(len(p))])

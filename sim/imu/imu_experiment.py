@@ -14,7 +14,7 @@ from ..notes import Cause, Note, together
 from ..robot.flexibility import Flexibility
 from ..robot.recording import Recording, saturation
 from ..robot.run import LoadedReference
-from ..robot.virtual_robot import LOG_PERIOD, VirtualRobot
+from ..robot.virtual_robot import VirtualRobot
 from .imu_specification import ImuExperiment
 from .measured_beside_predicted import find_offset
 from .phases import (
@@ -78,7 +78,7 @@ def prepare(experiment: ImuExperiment) -> list[PlannedProgram]:
     cell, model = experiment.cell, experiment.model()
     robot, planned = VirtualRobot(model), list[PlannedProgram]()
     for name, program in experiment.programs(model).items():
-        motion = plan_program(program, cell.robot, cell.limits, step=LOG_PERIOD)
+        motion = plan_program(program, cell.robot, cell.limits)
         since = synchronised_at(program, motion)
         planned.append(PlannedProgram(name, robot.load(motion.phi), motion, since))
     return planned

@@ -68,14 +68,14 @@ def compared(
 
     Raises InputError where a loop to go on from is another one's.
     """
-    known = starts or {}
+    known, parameters = starts or {}, None
     found = {"motor": list(case.from_motors(iterations, start=known.get("motor")))}
-    parameters, sources = None, (Source.ESTIMATE, Source.TRACKER, Source.TRUTH)
-    for source, name in zip(sources, COMPARED_OUTPUTS[1:], strict=True):
+    # The sources of the enumeration are in the order of the outputs.
+    for source, name in zip(Source, COMPARED_OUTPUTS[1:], strict=True):
         chosen = replace(measure, source=source)
         output, learning = case.from_tool(iterations, chosen, parameters, start=known.get(name))
         found[name] = list(learning)
-        parameters = output.known.parameters if parameters is None else parameters
+        parameters = parameters or output.known.parameters
     return found
 
 

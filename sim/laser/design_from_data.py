@@ -32,12 +32,11 @@ def design_from_data(cut: Cut, seed: int) -> DesignFromData:
     T_u of all motors together is identified from learning with the design of the thesis at three
     speeds.
     """
-    records = [_learned(replace(cut, speed=speed), seed) for speed in SPEEDS]
+    records = list[LearningRecord]()
+    for speed in SPEEDS:
+        experiment = prepare(replace(cut, speed=speed), seed=seed)
+        first, *_, last = iterate(experiment, MotorAngles(THESIS).prepare(experiment), 5)
+        end = experiment.motion_end
+        records.append(LearningRecord(last.correction, first.error, last.error, end))
     model = identify(records, LOG_PERIOD)
     return DesignFromData(model=model, proposal=design_for(model.system, CUTOFFS))
-
-
-def _learned(cut: Cut, seed: int) -> LearningRecord:
-    experiment = prepare(cut, seed=seed)
-    first, *_, last = iterate(experiment, MotorAngles(THESIS).prepare(experiment), 5)
-    return LearningRecord(last.correction, first.error, last.error, experiment.motion_end)

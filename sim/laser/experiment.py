@@ -97,9 +97,8 @@ class CuttingPlant:
         """Cut once with a correction."""
         recording = self.loaded.run(correction, self.rng)
         truth = recording.truth
-        samples = self.tracker.measure(
-            truth.time, truth.tool_position, truth.tool_quaternion, self.rng
-        )
+        tool = truth.tool_position, truth.tool_quaternion
+        samples = self.tracker.measure(truth.time, *tool, self.rng)
         imu = None if self.imu is None else self.imu.read(recording)
         return Pass(recording=recording, tracker=samples, imu=imu)
 
@@ -200,10 +199,9 @@ def prepare(
     if cut.gear_error:
         reference = reference - gear_error_of(cut.gear_error, design.n_axes)(reference)
     individual = _individual(cut, np.random.default_rng(drawing), design)
-    friction = individual.friction * (1.0 + cut.friction_drift)
     real = embodied(
         design,
-        replace(individual, friction=friction),
+        replace(individual, friction=individual.friction * (1.0 + cut.friction_drift)),
         available(design) - frozenset(cut.without),
         phi=reference[0],
         payload=cut.payload,
@@ -241,17 +239,13 @@ def controlled(setup: Setup, design: RobotModel) -> RobotModel:
 
 
 def _individual(setup: Setup, rng: np.random.Generator, design: RobotModel) -> Individual:
-    individual = setup.individual
-    if individual is None:
-        spread = setup.friction_spread
-        individual = Individual(friction=1.0 + rng.uniform(-spread, spread, design.n_axes))
-    elif isinstance(individual, int):
-        individual = Drawn(individual, Spread()).of(design)
-    elif isinstance(individual, Drawn):
-        individual = individual.of(design)
-    else:
-        check_applies(design, individual)
-    return individual
+    given, spread = setup.individual, setup.friction_spread
+    if given is None:
+        return Individual(friction=1.0 + rng.uniform(-spread, spread, design.n_axes))
+    if isinstance(given, Individual):
+        check_applies(design, given)
+        return given
+    return (given if isinstance(given, Drawn) else Drawn(given, Spread())).of(design)
 
 
 def true_tool_error(motion: ToolMotion, run: Pass) -> ToolError:

@@ -6,17 +6,22 @@ from typing import Any
 import numpy as np
 
 from armside.arrays import Array
+from armside.ilc.estimation.consistency import bounds, normalised_squared
+from armside.ilc.estimation.prediction_error import ParameterEstimate
 
-from ..estimation.elasticity import names, nominal_elasticity, springs_entry
-from ..estimation.estimator import ToolEstimator
+from ..estimation.elasticity import Elasticity, names, nominal_elasticity, springs_entry
+from ..estimation.estimator import ToolEstimate, ToolEstimator
 from ..estimation.identification import identify
 from ..estimation.imu_health import repaired
 from ..estimation.linearised_arm import linearised
 from ..estimation.nominal import NominalArm, NominalCfg, nominal_arm
+from ..estimation.relative_path import relative_to_start
 from ..estimation.rigid_motion import rigid_motion
+from ..estimation.tool_covariance import tool_covariance
 from ..motion.tool_motion import motion_notes
 from ..robot.individual import as_built
-from .estimate_consistency import consistency
+from ..robot.model import RobotModel
+from ..robot.recording import Truth
 from .experiment import Experiment
 from .loop import first_run
 from .results import pass_notes
@@ -26,6 +31,11 @@ UNIDENTIFIED = 0.5
 prior says more than the data."""
 FOUND = 0.1
 """Largest relative distance of an identified mode from the true one that it counts as."""
+IMMOVABLE = 1e-9
+"""Singular values of the tool's Jacobian below this part of the largest are directions in which the
+tool does not move, and has no covariance."""
+MOVING = 0.4
+"""Beginning of a run [s] that is not judged: the arm rests, and the path counts from there."""
 
 
 def identified(experiment: Experiment, arm: NominalArm) -> dict[str, Any]:
@@ -96,3 +106,44 @@ def arm_of(experiment: Experiment) -> NominalArm:
     """The individual itself as the arm of an estimator: linear gears and all of its structure."""
     truth = NominalCfg(structure=True, payload=experiment.added_payload)
     return nominal_arm(as_built(experiment.nominal, experiment.individual), truth)
+
+
+def consistency(
+    known: ToolEstimator,
+    fit: ParameterEstimate,
+    nominal: Elasticity,
+    estimate: ToolEstimate,
+    truth: Truth,
+    robot: RobotModel,
+) -> dict[str, Any]:
+    """Normalised squares of the filter's innovations and of the tool's error, in the first run.
+
+    NIS and NEES are 6 and 3 on average where the estimate is consistent, NEES 2 where the tool
+    moves in a plane. The filter alone takes springs and motor angles for exact.
+    """
+    white = estimate.innovation[np.isfinite(estimate.innovation).all(axis=1)]
+    nis = np.square(white).sum(axis=1)
+    time, model = known.along.time, known.models[0]
+    rows = time > MOVING
+    moving = directions(model.tool[:3, : model.n_free])
+    of_filter = moving.T @ known.filter_covariance[known.place] @ moving
+    P = moving.T @ tool_covariance(known, fit, nominal, robot) @ moving
+    every = round(known.along.period / float(truth.time[1]))
+    true = relative_to_start(truth.tool_position[::every])
+    error: Array = ((estimate.displacement - true)[:, :3] @ moving)[rows]
+    return {
+        "nis": float(nis.mean()),
+        "nis_expected": bounds(len(nis), 6),
+        "nees": float(normalised_squared(error, P[rows]).mean()),
+        "nees_of_filter": float(normalised_squared(error, of_filter[rows]).mean()),
+        "nees_expected": float(moving.shape[1]),
+        "tool_error": float(np.sqrt(np.square(error).sum(axis=1).mean())),
+        "tool_standard_deviation": float(np.sqrt(np.trace(P[rows].mean(axis=0)))),
+    }
+
+
+def directions(jacobian: Array) -> Array:
+    """(3, r) basis of the directions in which a tool moves, by its Jacobian (3, n) of positions."""
+    U, size, _ = np.linalg.svd(jacobian)
+    rank = int((size > IMMOVABLE * size[0]).sum())
+    return np.eye(3) if rank == len(U) else U[:, :rank]

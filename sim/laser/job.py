@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -58,7 +59,11 @@ class LearningJob:
         iterations = list(iterate(experiment, set_up, self.iterations))
         arrays = arrays_of(iterations, experiment, series=self.series)
         missing = self.iterations + 1 - len(iterations)
-        found = {name: _filled(values, missing) for name, values in arrays.items()} | {
+        found = {
+            name: np.concatenate((rows, np.full((missing, *rows.shape[1:]), np.nan, rows.dtype)))
+            for name, rows in arrays.items()
+        }
+        found |= {
             "diverged": np.array(missing > 0 or iterations[-1].diverged),
             "reached_speed": np.array(experiment.motion.reached_speed),
             "motion_end": np.array(experiment.motion_end),
@@ -71,22 +76,14 @@ def arrays_of(
     iterations: Sequence[Iteration], experiment: Experiment, *, series: bool = True
 ) -> dict[str, Array]:
     """Measures and signals of iterations, as in `LearningJob.run`."""
-    rows = [_row(iteration, experiment, series) for iteration in iterations]
-    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
-
-
-def _row(iteration: Iteration, experiment: Experiment, series: bool) -> dict[str, Array]:
-    radii, (first, last) = np.hypot(*iteration.tool.path.T), experiment.motion.contour_time
-    found = {name: value for name, value in iteration_row(iteration).items() if name != "k"}
-    ripple = measures.circle_ripple(radii, last - first, *RIPPLE_BAND)
-    arrays = {name: np.array(value) for name, value in found.items()} | {"ripple": np.array(ripple)}
-    if series:
-        path = iteration.tool.path[::_PATH_STRIDE]
-        signals = {"error": iteration.error, "correction": iteration.correction, "path": path}
-        # Single precision is 1e-7 of an error of a milliradian: far below an encoder count.
-        arrays |= {name: signal.astype(np.float32) for name, signal in signals.items()}
-    return arrays
-
-
-def _filled(rows: Array, missing: int) -> Array:
-    return np.concatenate((rows, np.full((missing, *rows.shape[1:]), np.nan, rows.dtype)))
+    rows, (first, last) = list[dict[str, Any]](), experiment.motion.contour_time
+    for it in iterations:
+        radii = np.hypot(*it.tool.path.T)
+        ripple = measures.circle_ripple(radii, last - first, *RIPPLE_BAND)
+        rows.append(iteration_row(it) | {"ripple": ripple})
+        if series:
+            path = it.tool.path[::_PATH_STRIDE]
+            signals = {"error": it.error, "correction": it.correction, "path": path}
+            # Single precision is 1e-7 of an error of a milliradian: far below an encoder count.
+            rows[-1] |= {name: signal.astype(np.float32) for name, signal in signals.items()}
+    return {name: np.array([row[name] for row in rows]) for name in rows[0] if name != "k"}

@@ -9,9 +9,10 @@ so that its limit bounds both in a line. Friction takes its part of each drive f
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from armside.arrays import Array
 from armside.kinematics import Robot, UnreachableError, inverse_path
@@ -55,8 +56,6 @@ class JointBounds:
     """(2,) [m], of the part in the drawing, which lies at the plane's origin."""
     speed: float
     """Highest speed along the path [m/s], for friction."""
-    joint_acceleration: tuple[float, ...] = Dynamics().joint_acceleration
-    """(6,) [rad/s^2]."""
 
     def along(self, paths: Sequence[Chain]) -> list[BoundsAt | None]:
         """Limits along each path in the drawing; None where none can be reached.
@@ -93,51 +92,46 @@ class JointBounds:
 
     def _at(self, batch: Sequence[tuple[int, Chain, Array]]) -> Iterator[tuple[int, Array, Bounds]]:
         phi = self._motors([path.point(s) for _, path, s in batch])
-        first, second = (
-            np.vstack(each)
-            for each in zip(*(self._twists(path, s) for _, path, s in batch), strict=True)
-        )
-        whole = self._bounds(phi, *self._derivatives(first, second, phi))
+        whole = self._bounds(phi, *self._derivatives([(path, s) for _, path, s in batch], phi))
         end = 0
         for i, _, places in batch:
             begin, end = end, end + len(places)
-            own = {f.name: getattr(whole, f.name)[begin:end] for f in fields(whole)}
-            yield i, places, Bounds(**own)
+            yield i, places, Bounds(*(part[begin:end] for part in whole))
 
     def _bounds(self, phi: Array, slope: Array, bend: Array) -> Bounds:
-        limits, drives = self.setup.cell.limits, self.controller.model.drives
-        speed = (np.array(limits.speed) / np.maximum(np.abs(slope), 1e-12)).min(axis=1)
-        acceleration = np.array(self.joint_acceleration)
-        torques = self._torques(phi, slope, bend)
-        available = self._available(drives, slope)
-        gravity, along, curved = (torque / available for torque in torques)
+        limits, statics = self.setup.cell.limits, self.controller
+        # Torques at the arm, of gravity, per acceleration and per v^2 along the path.
+        gravity, along, curved = statics.motor_torque(statics.rigid_terms(phi, slope, bend))
+        available = self._available(statics.model.drives, slope)
+        acceleration = np.array(Dynamics().joint_acceleration)
         return Bounds(
-            speed=speed,
-            along=np.hstack([slope / acceleration, along]),
-            bend=np.hstack([bend / acceleration, curved]),
-            offset=np.hstack([np.zeros_like(slope), gravity]),
+            speed=(np.array(limits.speed) / np.maximum(np.abs(slope), 1e-12)).min(axis=1),
+            along=np.hstack([slope / acceleration, (along - gravity) / available]),
+            bend=np.hstack([bend / acceleration, (curved - gravity) / available]),
+            offset=np.hstack([np.zeros_like(slope), gravity / available]),
         )
 
-    def _twists(self, path: Chain, s: Array) -> tuple[Array, Array]:
-        """p' and p'' (N, 6) of the tool by the arc length; its orientation is constant."""
-        heading, curvature = path.direction(s), path.curvature_at(s)
+    def _derivatives(self, paths: Sequence[tuple[Chain, Array]], phi: Array) -> tuple[Array, Array]:
+        """phi' and phi'' (N, 6) by the arc length: J phi' = p', J phi'' = p'' - J' phi'.
+
+        The tool's orientation is constant.
+        """
+        heading = np.concatenate([path.direction(s) for path, s in paths])
+        curvature = np.concatenate([path.curvature_at(s) for path, s in paths])
         along = np.stack([np.cos(heading), np.sin(heading)], axis=1)
         left = np.stack([-along[:, 1], along[:, 0]], axis=1)
-        first, second = np.zeros((2, len(s), 6))
+        first, second = np.zeros((2, len(phi), 6))
         first[:, :3] = along @ self.plane.axes[:, :2].T
         second[:, :3] = (curvature[:, np.newaxis] * left) @ self.plane.axes[:, :2].T
-        return first, second
+        robot, phi = compile_robot(self.setup.cell.robot), np.ascontiguousarray(phi)
+        J = robot.jacobian(phi)
 
-    def _derivatives(self, first: Array, second: Array, phi: Array) -> tuple[Array, Array]:
-        """phi' and phi'' (N, 6) by the arc length: J phi' = p', J phi'' = p'' - J' phi'."""
-        robot = compile_robot(self.setup.cell.robot)
-        J = robot.jacobian(np.ascontiguousarray(phi))
-        slope: Array = np.asarray(np.linalg.solve(J, first[:, :, np.newaxis])[:, :, 0], np.float64)
-        bent = second - robot.acceleration(
-            np.ascontiguousarray(phi), np.ascontiguousarray(slope), np.zeros_like(phi)
-        )
-        bend = np.linalg.solve(J, bent[:, :, np.newaxis])[:, :, 0]
-        return slope, np.asarray(bend, np.float64)
+        def solved(twist: Array) -> Array:
+            return np.asarray(np.linalg.solve(J, twist[:, :, np.newaxis])[:, :, 0], np.float64)
+
+        slope = solved(first)
+        at_rest = robot.acceleration(phi, np.ascontiguousarray(slope), np.zeros_like(phi))
+        return slope, solved(second - at_rest)
 
     def _motors(self, paths: Sequence[Array]) -> Array:
         """(N, 6) [rad] at the points (M, 2) of all paths in the drawing.
@@ -145,26 +139,15 @@ class JointBounds:
         Each is reached from the middle of the part, and left by the same way back, so that all have
         one branch of solutions.
         """
-        ways = [np.vstack([self._way(points[0]), points]) for points in paths]
-        tour = np.vstack([each for way in ways for each in (way, way[::-1])])
-        own = np.hstack(
-            [
-                np.repeat([False, True, False], [STEPS, len(points), STEPS + len(points)])
-                for points in paths
-            ]
-        )
-        return motors_at(self.setup, self.plane.to_base(tour - self.middle), tour)[own]
-
-    def _way(self, point: Array) -> Array:
-        """(STEPS, 2), from the middle of the part to a point of the drawing."""
-        share = np.linspace(0.0, 1.0, STEPS)[:, np.newaxis]
-        return self.middle + share * (point - self.middle)
-
-    def _torques(self, phi: Array, slope: Array, bend: Array) -> tuple[Array, Array, Array]:
-        """(N, 6) each [N m], arm side: of gravity, per acceleration and per v^2 along the path."""
-        statics = self.controller
-        gravity, along, curved = statics.motor_torque(statics.rigid_terms(phi, slope, bend))
-        return gravity, along - gravity, curved - gravity
+        share, tour = np.linspace(0.0, 1.0, STEPS)[:, np.newaxis], list[Array]()
+        own = list[NDArray[np.bool_]]()
+        for points in paths:
+            way = np.vstack([self.middle + share * (points[0] - self.middle), points])
+            tour += [way, way[::-1]]
+            own.append(np.repeat([False, True, False], [STEPS, len(points), len(way)]))
+        drawn = np.vstack(tour)
+        placed = self.plane.to_base(drawn - self.middle)
+        return motors_at(self.setup, placed, drawn)[np.hstack(own)]
 
     def _available(self, drives: Drives, slope: Array) -> Array:
         """(N, 6) [N m], arm side, that friction at the highest speed leaves of the limit."""
@@ -201,10 +184,9 @@ def out_of_reach(error: UnreachableError | JointRangeError, where: str, robot: R
 
 def _between(places: Array, known: Bounds) -> BoundsAt:
     """Limits between places, linear."""
-    columns = [np.atleast_2d(getattr(known, field.name).T).T for field in fields(Bounds)]
-    table = np.hstack(columns)
+    table = np.column_stack(known)
     slope = np.diff(table, axis=0) / np.diff(places)[:, np.newaxis]
-    width = np.cumsum([column.shape[1] for column in columns])[:-1]
+    width = np.cumsum([1, known.along.shape[1], known.bend.shape[1]])
 
     def at(s: Array) -> Bounds:
         inside = np.clip(s, places[0], places[-1])
@@ -219,13 +201,7 @@ def _between(places: Array, known: Bounds) -> BoundsAt:
 def _places(path: Chain, coarser: float = 1.0) -> Array:
     """Arc lengths [m], ascending: each element from its begin to its end."""
     pieces = np.maximum(path.lengths / SPACING, np.abs(path.angle) / TURN) / coarser
-    parts = np.ceil(pieces).astype(int) + 1
+    parts = np.maximum(np.ceil(pieces).astype(int) + 1, 2)
     inside = np.minimum(BESIDE, 0.25 * path.lengths)
-    return np.concatenate(
-        [
-            np.linspace(begin + edge, end - edge, n)
-            for begin, end, edge, n in zip(
-                path.ends[:-1], path.ends[1:], inside, np.maximum(parts, 2), strict=True
-            )
-        ]
-    )
+    begins, ends = path.ends[:-1] + inside, path.ends[1:] - inside
+    return np.concatenate([*map(np.linspace, begins, ends, parts)])

@@ -1,6 +1,6 @@
 """The learning loop of a cut: run, measure, correct, run again."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -15,12 +15,12 @@ from armside.ilc.plant import Plant
 from armside.ilc.records import as_record, as_samples
 from armside.ilc.workbench.compare import RunState, states_of
 
-from ..evaluation.motion_error import MotionError, motion_error
+from ..evaluation.motion_error import motion_error
 from ..notes import Cause, Note
 from ..records.files import InputError
 from .experiment import CuttingPlant, Experiment, Iteration, Pass, prepare
 from .measures import Measure, MotorAngles, Noted, Output, SetUp
-from .specification import Setup, Timed
+from .specification import Setup
 
 FROM_A_MODEL = 10.0
 """Factor on the ratio that counts as divergence where learning starts from a model's correction:
@@ -111,7 +111,9 @@ def iterate(
         size = output.size(error)
         first_size = size if first_size is None else first_size
         grown = k > 0 and has_diverged(size, first_size, ratio)
-        run, held = runs[0], _held(memory, cut.contours(motion))
+        run, held = runs[0], (False,) * len(cut.contours(motion))
+        if isinstance(memory, SegmentMemory):
+            held = tuple(map(bool, memory.held))
         tracked, true = cut.errors(motion, *run.tracked), cut.errors(motion, *run.true)
         iteration = Iteration(
             k=k,
@@ -123,7 +125,9 @@ def iterate(
             tool_true=cut.whole(motion, true),
             contours=tracked,
             contours_true=true,
-            motion_error=_motion_error(experiment, run),
+            motion_error=motion_error(
+                motion, run.recording.truth, loaded.model.mj, free_rotation=cut.cell.free_rotation
+            ),
             diverged=grown or not bool(np.isfinite(error).all()),
             converged=held,
             notes=_notes(output, law, error, memory),
@@ -156,13 +160,10 @@ def measure_of(name: str) -> Measure:
     return ToolPath(source=Source(name))
 
 
-def first_run(
-    experiment: Experiment, plant: Plant[Pass] | None = None, start: Start | None = None
-) -> Pass:
+def first_run(experiment: Experiment, start: Start | None = None) -> Pass:
     """The run of k = 0, without correction or with that to start from."""
-    plant = experiment.plant if plant is None else plant
     begun = start.start if isinstance(start, RunState) else start
-    return plant.run(_as_correction(begun, experiment.loaded.reference))
+    return experiment.plant.run(_as_correction(begun, experiment.loaded.reference))
 
 
 def generators(plant: Any) -> list[np.random.Generator]:
@@ -210,26 +211,13 @@ def _mean(outputs: list[Array], reference: Array) -> Array:
     return found
 
 
-def _motion_error(experiment: Experiment, run: Pass) -> MotionError:
-    truth, mj = run.recording.truth, experiment.loaded.model.mj
-    free = experiment.cut.cell.free_rotation
-    return motion_error(experiment.motion, truth, mj, free_rotation=free)
-
-
-def _held(memory: Any, contours: Sequence[Timed]) -> tuple[bool, ...]:
-    if isinstance(memory, SegmentMemory):
-        return tuple(map(bool, memory.held))
-    return (False,) * len(contours)
-
-
 def _notes(output: Output, law: Law, error: Array, memory: Any) -> tuple[Note, ...]:
     found = output.notes if isinstance(output, Noted) else ()
     if memory is None or not isinstance(law, Guarded):
         return found
-    if law.size(error) <= law.tolerance * memory.size:
-        return found
     back = "the error had grown: learning went back to its best iteration"
-    return (*found, Note(cause=Cause.GUARD, text=back))
+    grown = law.size(error) > law.tolerance * memory.size
+    return (*found, Note(cause=Cause.GUARD, text=back)) if grown else found
 
 
 def _same_loop(

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from armside.arrays import Array
-from armside.kinematics import Limits, Robot, UnreachableError
+from armside.kinematics import UnreachableError
 from armside.kinematics.inverse.closed_form import JointRangeError
 
 from ..evaluation.contour_error import ContourError, contour_errors
@@ -16,9 +16,7 @@ from ..evaluation.tool_error import ToolError
 from ..instruments.laser_tracker import TrackerSamples
 from ..instruments.noise import rate_of, stride
 from ..motion.instructions import Dynamics, MoveL, Program, Speed, Target
-from ..motion.path import Plane
 from ..motion.planner import straight_timing
-from ..motion.timing import PathLimits, Timing
 from ..motion.tool_motion import joint_reference
 from ..notes import Cause, Note
 from ..part.arcs import Chain, place
@@ -46,6 +44,10 @@ REACHED = 0.999
 """Fraction of the programmed speed that counts as reached."""
 
 
+class JointSpeedError(ValueError):
+    """A joint would be faster than its limit."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class PartCut(Setup[PartMotion]):
     """All contours of a part, its middle at the pose, cut in one run. SI units."""
@@ -66,26 +68,72 @@ class PartCut(Setup[PartMotion]):
 
     def plan_entries(self) -> Row:
         """Entries of the `summary.json` of a part that is only planned. SI units."""
-        return {
-            "seconds": self.plan.seconds,
-            "contours": [
-                {
-                    "name": cut.contour.name,
-                    "kind": cut.contour.kind,
-                    "length": cut.path.length - 2.0 * cut.lead,
-                    "asked_speed": self.cutting.speed,
-                    "reached_speed": cut.reached_speed,
-                    "seconds": cut.seconds,
-                    "iterations": [],
-                }
-                for cut in self.plan.cuts
-            ],
-            "notes": list(plan_notes(self.plan)),
-        }
+        found = self.plan
+        contours = [
+            {
+                "name": cut.contour.name,
+                "kind": cut.contour.kind,
+                "length": cut.path.length - 2.0 * cut.lead,
+                "asked_speed": self.cutting.speed,
+                "reached_speed": cut.reached_speed,
+                "seconds": cut.seconds,
+                "iterations": [],
+            }
+            for cut in found.cuts
+        ]
+        return {"seconds": found.seconds, "contours": contours, "notes": list(plan_notes(found))}
+
+    @cached_property
+    def motion(self) -> PartMotion:
+        """Of the tool, which starts at the lower left corner of the part's box.
+
+        Raises ValueError where the part is out of reach, with the place.
+        """
+        legs, (a, b) = tuple(self._legs()), map(float, self.part.middle)
+        return PartMotion(
+            legs=legs,
+            plane=self.plane,
+            middle=(a, b),
+            tool_quaternion=self.tool_pose.quaternion,
+            n_samples=samples_until(legs, REST_AFTER, LOG_PERIOD),
+            step=LOG_PERIOD,
+            rest_before=REST_BEFORE,
+        )
+
+    def _legs(self) -> Iterator[Leg]:
+        moves, clock, cell, cutting = rapid_moves(self.plan), REST_BEFORE, self.cell, self.cutting
+        placed = self.plane.to_base(moves - self.part.middle)
+        phi, most = motors_at(self, placed[:, 0], moves[:, 0]), self.limits.acceleration
+        dynamics = Dynamics(path_acceleration=most, jerk_time=most / self.limits.jerk)
+        for cut, ends, tool, motors in zip(self.plan.cuts, moves, placed, phi, strict=True):
+            length = float(np.linalg.norm(tool[1] - tool[0]))
+            if length >= NOWHERE:
+                there = MoveL(to=Target(position=tuple(tool[1])), speed=Speed(path=cutting.rapid))
+                rapid = Program(
+                    instructions=(there,),
+                    start=tuple(motors),
+                    dynamics=dynamics,
+                    source="rapid move",
+                )
+                timing = straight_timing(rapid, cell.robot, cell.limits)
+                timing = replace(timing, state=length * timing.state)
+                yield Leg(path=Chain(ends, np.zeros(1)), timing=timing, start=clock)
+                clock = on_grid(clock + timing.duration, LOG_PERIOD)
+            clock = on_grid(clock + cutting.pierce, LOG_PERIOD)
+            leg = CutLeg(
+                path=cut.path,
+                timing=cut.profile.timing,
+                start=clock,
+                name=cut.contour.name,
+                kind=cut.contour.kind,
+                lead=cut.lead,
+                asked_speed=cutting.speed,
+            )
+            yield leg
+            clock = on_grid(leg.end, LOG_PERIOD)
 
     def planned(self, nominal: Statics) -> tuple[PartMotion, Array]:
-        motion = sequence(self, self.plan, self.plane)
-        return motion, reference(self, nominal, motion)
+        return self.motion, reference(self, nominal, self.motion)
 
     def errors(
         self, motion: PartMotion, time: Array, position: Array, *, edges: bool = True
@@ -115,7 +163,7 @@ class PartCut(Setup[PartMotion]):
         )
 
     def contours(self, motion: PartMotion) -> Sequence[Timed]:
-        return [Timed(cut.name, *cut.contour_time) for cut in motion.cuts]
+        return timed(motion)
 
     def centre(self, motion: PartMotion) -> int:
         """That which is nearest the middle of the part."""
@@ -127,9 +175,7 @@ class PartCut(Setup[PartMotion]):
         begun = np.ones((motion.n_samples, len(motion.cuts) + 1))
         begun[:, -1] = 0.0
         for i, cut in enumerate(motion.cuts[1:], start=1):
-            before = max(
-                (leg.end for leg in motion.legs if leg.end <= cut.start), default=cut.start
-            )
+            before = max(leg.end for leg in motion.legs if leg.end <= cut.start)
             width = max(cut.start - before, SHORTEST_BLEND)
             x = np.clip((motion.time - cut.start) / width + 1.0, 0.0, 1.0)
             begun[:, i] = 0.5 - 0.5 * np.cos(np.pi * x)
@@ -141,84 +187,28 @@ class PartCut(Setup[PartMotion]):
     def entries(
         self, motion: PartMotion, contours: Sequence[Sequence[Row]], ends: Sequence[Ended]
     ) -> Row:
-        beam = self.cutting.beam
-        return {
-            "seconds": motion.motion_end - motion.rest_before,
-            "contours": [
-                _planned(cut)
-                | {"iterations": [rows[i] for rows in contours]}
-                | {"kerf": [_edges(k, errors[i], motion.places[i], beam) for k, errors in ends]}
-                for i, cut in enumerate(motion.cuts)
-            ],
-        }
+        found = [
+            {
+                "name": cut.name,
+                "kind": cut.kind,
+                "length": cut.turn.length,
+                "asked_speed": cut.asked_speed,
+                "reached_speed": cut.reached_speed,
+                "start": cut.start,
+                "seconds": cut.timing.duration,
+                "iterations": [rows[i] for rows in contours],
+                "kerf": [
+                    _edges(k, errors[i], motion.places[i], self.cutting.beam) for k, errors in ends
+                ],
+            }
+            for i, cut in enumerate(motion.cuts)
+        ]
+        return {"seconds": motion.motion_end - motion.rest_before, "contours": found}
 
 
-def sequence(setup: Setup, plan: Plan, plane: Plane) -> PartMotion:
-    """Motion of the tool, which starts at the lower left corner of the part's box.
-
-    Raises ValueError where the part is out of reach, with the place.
-    """
-    legs = list(_legs(setup, plan, plane))
-    w, x, y, z = setup.tool_pose.quaternion
-    a, b = map(float, plan.part.middle)
-    return PartMotion(
-        legs=tuple(legs),
-        plane=plane,
-        middle=(a, b),
-        tool_quaternion=(w, x, y, z),
-        n_samples=samples_until(legs, REST_AFTER, LOG_PERIOD),
-        step=LOG_PERIOD,
-        rest_before=REST_BEFORE,
-    )
-
-
-def _legs(setup: Setup, plan: Plan, plane: Plane) -> Iterator[Leg]:
-    moves, clock = rapid_moves(plan), REST_BEFORE
-    placed = plane.to_base(moves - plan.part.middle)
-    phi = motors_at(setup, placed[:, 0], moves[:, 0])
-    cell, speed = setup.cell, plan.cutting.rapid
-    for cut, ends, tool, motors in zip(plan.cuts, moves, placed, phi, strict=True):
-        timing = rapid_timing(tool, motors, speed, setup.limits, cell.robot, cell.limits)
-        if timing is not None:
-            yield Leg(path=Chain(ends, np.zeros(1)), timing=timing, start=clock)
-            clock = on_grid(clock + timing.duration, LOG_PERIOD)
-        clock = on_grid(clock + plan.cutting.pierce, LOG_PERIOD)
-        leg = CutLeg(
-            path=cut.path,
-            timing=cut.profile.timing,
-            start=clock,
-            name=cut.contour.name,
-            kind=cut.contour.kind,
-            lead=cut.lead,
-            asked_speed=plan.cutting.speed,
-        )
-        yield leg
-        clock = on_grid(leg.end, LOG_PERIOD)
-
-
-def rapid_timing(
-    ends: Array, phi: Array, speed: float, path: PathLimits, robot: Robot, limits: Limits
-) -> Timing | None:
-    """Timing of the arc length of a straight move; None for one that leads nowhere.
-
-    ends: (2, 3) [m], base axes. phi: (6,) [rad], motor angles at its start. speed: [m/s].
-
-    Raises ProgramError for a place out of reach.
-    """
-    length = float(np.linalg.norm(ends[1] - ends[0]))
-    if length < NOWHERE:
-        return None
-    x, y, z = map(float, ends[1])
-    program = Program(
-        instructions=(MoveL(to=Target(position=(x, y, z)), speed=Speed(path=speed)),),
-        start=tuple(map(float, phi)),
-        dynamics=Dynamics(
-            path_acceleration=path.acceleration, jerk_time=path.acceleration / path.jerk
-        ),
-        source="rapid move",
-    )
-    timing = straight_timing(program, robot, limits)
-    return Timing(timing.start, length * timing.state, timing.duration)
+def timed(motion: PartMotion) -> Sequence[Timed]:
+    """Contours of a part in their order."""
+    return [Timed(cut.name, *cut.contour_time) for cut in motion.cuts]
 
 
 def reference(setup: Setup, controller: Statics, motion: PartMotion) -> Array:
@@ -229,19 +219,14 @@ def reference(setup: Setup, controller: Statics, motion: PartMotion) -> Array:
     robot, limits = setup.cell.robot, setup.cell.limits
     try:
         phi = joint_reference(motion, robot, limits)
-        _check_speed(phi, motion, np.array(limits.speed))
+        use = np.abs(np.gradient(phi, LOG_PERIOD, axis=0)) / np.array(limits.speed)
+        if use.max() > 1.0 + EXCESS:
+            sample, axis = divmod(int(use.argmax()), use.shape[1])
+            raise JointSpeedError(f"axis {axis + 1} would be too fast at {_where(motion, sample)}")
         shift = smoothed(anticipated_shift(controller, phi, LOG_PERIOD))
         return joint_reference(motion, robot, limits, start=phi[0], shift=shift)
     except (UnreachableError, JointRangeError) as error:
         raise out_of_reach(error, _where(motion, error.index), robot) from error
-
-
-def _check_speed(phi: Array, motion: PartMotion, most: Array) -> None:
-    use = np.abs(np.gradient(phi, LOG_PERIOD, axis=0)) / most
-    if use.max() > 1.0 + EXCESS:
-        sample, axis = np.unravel_index(int(use.argmax()), use.shape)
-        where = _where(motion, int(sample))
-        raise ValueError(f"axis {axis + 1} would be too fast at {where}")
 
 
 def _where(motion: PartMotion, sample: int) -> str:
@@ -254,30 +239,17 @@ def plan_notes(plan: Plan) -> Iterator[Note]:
     for text in plan.part.notes:
         yield Note(cause=Cause.DRAWING, text=text)
     asked, limit = plan.cutting.speed, plan.cutting.limits.acceleration
-    slow = [cut for cut in plan.cuts if cut.lowest_allowed < REACHED * asked]
-    if slow:
+    if slow := [cut for cut in plan.cuts if cut.lowest_allowed < REACHED * asked]:
         lowest = 1e3 * min(cut.lowest_allowed for cut in slow)
         where = f"bends of {len(slow)} of {len(plan.cuts)} contours"
         text = f"the speed is lowered from {1e3 * asked:.4g} mm/s to {lowest:.4g} mm/s in {where}"
         yield Note(cause=Cause.SPEED, text=f"{text}: {limit:g} m/s^2 across the path")
     short = [cut for cut in plan.cuts if cut.reached_speed < REACHED * cut.profile.allowed.max()]
     if short:
-        reached = 1e3 * min(cut.reached_speed for cut in short)
+        reached = f"{1e3 * min(cut.reached_speed for cut in short):.4g} mm/s at least"
         which = named([cut.contour.name for cut in short])
-        text = f"too short to reach their speed, {reached:.4g} mm/s at least: {which}"
+        text = f"too short to reach their speed, {reached}: {which}"
         yield Note(cause=Cause.ACCELERATION, text=text)
-
-
-def _planned(cut: CutLeg) -> Row:
-    return {
-        "name": cut.name,
-        "kind": cut.kind,
-        "length": cut.turn.length,
-        "asked_speed": cut.asked_speed,
-        "reached_speed": cut.reached_speed,
-        "start": cut.start,
-        "seconds": cut.timing.duration,
-    }
 
 
 def _edges(k: int, error: ToolError, place: ContourPlace, beam: float) -> Row:

@@ -27,26 +27,17 @@ NAMED = 3
 def notes(experiment: Experiment, iterations: Sequence[Iteration]) -> list[Note]:
     """Notes of an experiment and of its iterations, each once."""
     of_runs = [note for it in iterations for note in iteration_notes(experiment, it)]
-    last = iterations[-1]
-    return all_notes(
-        experiment, of_runs, iterations[0].contours, () if last.diverged else last.contours
-    )
+    return all_notes(experiment, of_runs, iterations[0], iterations[-1])
 
 
 def all_notes(
-    experiment: Experiment,
-    of_runs: Sequence[Note],
-    first: Sequence[ToolError],
-    last: Sequence[ToolError],
+    experiment: Experiment, of_runs: Sequence[Note], first: Iteration, last: Iteration
 ) -> list[Note]:
-    """Each note once: of the plan, of the runs, and of contours that learning made worse.
-
-    first, last: errors of the contours at the first and the last iteration; none of a run that
-    diverged.
-    """
+    """Each note once: of the plan, of the runs, and of contours that learning made worse."""
     cut, motion = experiment.cut, experiment.motion
     names = [contour.name for contour in cut.contours(motion)]
-    return together([*cut.notes(motion), *of_runs, *_growth(names, first, last)])
+    after = () if last.diverged else last.contours
+    return together([*cut.notes(motion), *of_runs, *_growth(names, first.contours, after)])
 
 
 def iteration_notes(experiment: Experiment, iteration: Iteration) -> list[Note]:
@@ -82,15 +73,14 @@ def _growth(
     names: Sequence[str], first: Sequence[ToolError], last: Sequence[ToolError]
 ) -> Iterator[Note]:
     """The tool against its first run: what is learned from may be blind to it."""
-    worse = [i for i, after in enumerate(last) if after.rms > GROWTH * first[i].rms]
-    if not worse:
-        return
-    rms = f"RMS {1e6 * first[0].rms:.4g} to {1e6 * last[0].rms:.4g} um"
-    text = f"learning made the tool worse: {rms}"
-    if len(names) > 1:
-        of = [names[i] for i in worse]
-        text = f"learning made {len(of)} of {len(names)} contours worse: {named(of)}"
-    yield Note(cause=Cause.TOOL, text=text)
+    worse = [names[i] for i, after in enumerate(last) if after.rms > GROWTH * first[i].rms]
+    rms = [f"{1e6 * each[0].rms:.4g}" for each in (first, last) if each]
+    if len(names) > 1 and worse:
+        text = f"learning made {len(worse)} of {len(names)} contours worse: {named(worse)}"
+        yield Note(cause=Cause.TOOL, text=text)
+    elif worse:
+        text = f"learning made the tool worse: RMS {' to '.join(rms)} um"
+        yield Note(cause=Cause.TOOL, text=text)
 
 
 Status = Literal["done", "worse", "diverged", "saturated"]
@@ -126,15 +116,13 @@ def results(
     for row in rows:
         for name in ("motor_inf", "motor_two", "arm_rms", "arm_maxdev"):
             row[f"{name}_normalised"] = _normalised(row[name], rows[0][name])
-    first, last = ends[0], ends[-1]
-    after = () if last.diverged else last.contours
     return {
         "status": status(ends, of_tool=of_tool),
         "limits_hit": [
             {"k": k, "limit": name, "axis": axis, "time": time} for k, (name, axis, time) in limits
         ],
         "loop_error": max(open_by),
-        "notes": all_notes(experiment, notes, first.contours, after),
+        "notes": all_notes(experiment, notes, ends[0], ends[-1]),
         "beam_lost": beam_lost,
         "iterations": rows,
         **cut.entries(motion, contours, [(it.k, it.contours_true) for it in ends]),
@@ -203,30 +191,26 @@ def quality(
 
     repeated: runs with the last correction.
     """
-    motion = experiment.motion
-    curve = motion.curve
-    true_cuts = [kerf(curve, it.tool_true.path, beam * 1e-3) for it in iterations]
+    motion, beam = experiment.motion, beam * 1e-3
+    cuts = [kerf(motion.curve, it.tool.path, beam) for it in iterations]
+    true_cuts = [kerf(motion.curve, it.tool_true.path, beam) for it in iterations]
     iso: dict[str, Any] = {"repetitions": len(repeated)}
     for suffix, samples in (("", attrgetter("tracked")), ("_true", _true)):
         each = [path_measures(motion, [samples(it.run)]) for it in iterations]
         iso[f"path_accuracy{suffix}"] = [m.accuracy for m in each]
         iso[f"path_accuracy_in_plane{suffix}"] = [m.accuracy_in_plane for m in each]
         if repeated:
-            together = path_measures(motion, [samples(run) for run in repeated])
-            iso[f"path_accuracy_of_repetitions{suffix}"] = together.accuracy
-            iso[f"path_repeatability{suffix}"] = together.repeatability
-            iso[f"path_repeatability_in_plane{suffix}"] = together.repeatability_in_plane
-    return {
-        "kerf": {
-            "beam": beam * 1e-3,
-            "hole_roundness": [
-                kerf(curve, it.tool.path, beam * 1e-3).roundness for it in iterations
-            ],
-            "hole_roundness_true": [cut.roundness for cut in true_cuts],
-            "widest_true": [float(cut.width.max()) for cut in true_cuts],
-        },
-        "iso": iso,
+            of_all = path_measures(motion, [samples(run) for run in repeated])
+            iso[f"path_accuracy_of_repetitions{suffix}"] = of_all.accuracy
+            iso[f"path_repeatability{suffix}"] = of_all.repeatability
+            iso[f"path_repeatability_in_plane{suffix}"] = of_all.repeatability_in_plane
+    edges = {
+        "beam": beam,
+        "hole_roundness": [cut.roundness for cut in cuts],
+        "hole_roundness_true": [cut.roundness for cut in true_cuts],
+        "widest_true": [float(cut.width.max()) for cut in true_cuts],
     }
+    return {"kerf": edges, "iso": iso}
 
 
 def _true(run: Pass) -> tuple[Array, Array]:

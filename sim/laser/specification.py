@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from armside.arrays import Array, check_numbers
 from armside.kinematics.robot_file import GearTerm
@@ -205,8 +204,26 @@ class Cut(Setup[ToolMotion]):
         return CuttingPath.around(self.curve, plane)
 
     def planned(self, nominal: Statics) -> tuple[ToolMotion, Array]:
-        quaternion = self.tool_pose.quaternion
-        return plan(self.cell, nominal, self.path, quaternion, self.speed, self.limits)
+        """Inverse kinematics of the programmed path; then again of the path shifted against the
+        elastic deflection that the controller anticipates."""
+        cell, path = self.cell, self.path
+        motion, phi = plan_cut(
+            path,
+            self.tool_pose.quaternion,
+            self.speed,
+            cell.robot,
+            cell.limits,
+            start=cell.home,
+            path_limits=self.limits,
+            free_rotation=cell.free_rotation,
+        )
+        shift = anticipated_shift(nominal, phi, LOG_PERIOD)
+        if isinstance(path.curve, ArcsAndLines):
+            shift = smoothed(shift)
+        free = cell.free_rotation
+        return motion, joint_reference(
+            motion, cell.robot, cell.limits, start=phi[0], shift=shift, free_rotation=free
+        )
 
     def errors(
         self, motion: ToolMotion, time: Array, position: Array, *, edges: bool = True
@@ -232,39 +249,3 @@ class Cut(Setup[ToolMotion]):
         self, motion: ToolMotion, contours: Sequence[Sequence[Row]], ends: Sequence[Ended]
     ) -> Row:
         return {"reached_speed": motion.reached_speed}
-
-
-def plan(
-    cell: Cell,
-    nominal: Statics,
-    path: CuttingPath,
-    quaternion: ArrayLike,
-    speed: float,
-    path_limits: PathLimits | None = None,
-) -> tuple[ToolMotion, Array]:
-    """A cut at `speed` [m/s] and its reference r, shape (N, n) [rad], as the controller makes it.
-
-    Inverse kinematics of the programmed path; then again of the path shifted against the elastic
-    deflection that the controller anticipates.
-
-    Raises:
-        ValueError: the motion leaves the joint limits (where) or the reach (by how much).
-    """
-    motion, phi = plan_cut(
-        path,
-        quaternion,
-        speed,
-        cell.robot,
-        cell.limits,
-        start=cell.home,
-        path_limits=path_limits,
-        step=LOG_PERIOD,
-        free_rotation=cell.free_rotation,
-    )
-    shift = anticipated_shift(nominal, phi, LOG_PERIOD)
-    if isinstance(path.curve, ArcsAndLines):
-        shift = smoothed(shift)
-    free = cell.free_rotation
-    return motion, joint_reference(
-        motion, cell.robot, cell.limits, start=phi[0], shift=shift, free_rotation=free
-    )

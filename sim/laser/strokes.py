@@ -29,7 +29,7 @@ from ..robot.virtual_robot import LOG_PERIOD
 from ..robot_file.find import find_cell
 from .experiment import prepare
 from .loop import learn
-from .part_cut import reference
+from .part_cut import JointSpeedError, reference, timed
 from .specification import Ended, Row, Setup, Timed
 
 ROBOTS = assets.LARGE_ROBOT_XML.parent
@@ -63,11 +63,8 @@ class Strokes(Setup[PartMotion]):
         speed = self.speed
         while True:
             motion = self._motion(speed)
-            try:
+            with suppress(JointSpeedError):
                 return motion, reference(self, nominal, motion)
-            except ValueError as error:
-                if "too fast" not in str(error):
-                    raise
             speed *= SLOWER
 
     def _motion(self, speed: float) -> PartMotion:
@@ -114,7 +111,7 @@ class Strokes(Setup[PartMotion]):
         )
 
     def contours(self, motion: PartMotion) -> Sequence[Timed]:
-        return [Timed(cut.name, *cut.contour_time) for cut in motion.cuts]
+        return timed(motion)
 
     def weights(self, motion: PartMotion) -> Array:
         return np.ones((motion.n_samples, 1))

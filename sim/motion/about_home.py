@@ -41,8 +41,8 @@ def programs_about(
     if motion not in MOTIONS:
         raise ValueError(f"Unknown motion {motion!r}. It can be: {', '.join(MOTIONS)}")
     low, high = room(home, limits)
-    sides = np.stack((low, high))
-    moves = [*_swing(home, sides), *MOTIONS[motion](home, sides)]
+    swing = home + (high - home) / 3.0, home + (low - home) / 3.0, home
+    moves = [*map(_move, swing), Wait(seconds=SYNCHRONISED), *MOTIONS[motion](home, low, high)]
     dynamics = dynamics_of(home, limits, model)
     start = tuple(home.tolist())
     return {motion: Program(instructions=tuple(moves), start=start, dynamics=dynamics)}
@@ -65,12 +65,11 @@ def room(home: Array, limits: Limits) -> tuple[Array, Array]:
         largest = float(np.maximum(c * up, -c * down).sum())
         smallest = float(np.maximum(-c * up, c * down).sum())
         left = OF_DISTANCE * np.array([bound.upper - there, there - bound.lower])
-        over = max(largest / max(left[0], 1e-12), smallest / max(left[1], 1e-12))
+        over = float(max(np.array([largest, smallest]) / np.maximum(left, 1e-12)))
         if over > 1.0:
             used = c != 0.0
             down[used], up[used] = down[used] / over, up[used] / over
-    stuck = np.flatnonzero(down + up < 1e-3)
-    if len(stuck):
+    if len(stuck := np.flatnonzero(down + up < 1e-3)):
         motor = f"motor {int(stuck[0]) + 1}"
         raise ValueError(f"{motor} has no room about home: give another home, or a motion program")
     return home - down, home + up
@@ -95,18 +94,8 @@ def _move(angles: Array) -> MoveJ:
     return MoveJ(to=Target(motors=tuple(angles.tolist())), speed=Speed(share=SHARE))
 
 
-def _swing(home: Array, sides: Array) -> Iterable[Instruction]:
-    """There and back, a third of the way; then a wait that ends the synchronisation."""
-    low, high = sides
-    yield _move(home + (high - home) / 3.0)
-    yield _move(home + (low - home) / 3.0)
-    yield _move(home)
-    yield Wait(seconds=SYNCHRONISED)
-
-
-def _together(home: Array, sides: Array) -> Iterable[Instruction]:
+def _together(home: Array, low: Array, high: Array) -> Iterable[Instruction]:
     """Every motor to both its ends, in corners of which neighbours differ."""
-    low, high = sides
     odd = np.arange(len(home)) % 2 == 1
     pairs = np.arange(len(home)) // 2 % 2 == 1
     for up in (~odd, odd, pairs, ~pairs, np.ones_like(odd), np.zeros_like(odd)):
@@ -114,17 +103,14 @@ def _together(home: Array, sides: Array) -> Iterable[Instruction]:
     yield _move(home)
 
 
-def _one_by_one(home: Array, sides: Array) -> Iterable[Instruction]:
+def _one_by_one(home: Array, low: Array, high: Array) -> Iterable[Instruction]:
     """Each motor to both its ends and back, the others at home."""
-    for i in range(len(home)):
-        for end in (sides[1], sides[0], home):
-            angles = home.copy()
-            angles[i] = end[i]
-            yield _move(angles)
+    for own in np.eye(len(home), dtype=bool):
+        yield from (_move(np.where(own, end, home)) for end in (high, low, home))
         yield Wait(seconds=PAUSE)
 
 
-MOTIONS: Mapping[str, Callable[[Array, Array], Iterable[Instruction]]] = {
+MOTIONS: Mapping[str, Callable[[Array, Array, Array], Iterable[Instruction]]] = {
     "simultaneous": _together,
     "sequential": _one_by_one,
 }

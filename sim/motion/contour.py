@@ -200,8 +200,6 @@ def regular_polygon(n: int, across_flats: float, corner_radius: float) -> ArcsAn
 
     Raises ValueError unless 0 < corner radius <= half of across_flats.
     """
-    if n < 3:
-        raise ValueError(f"a polygon has 3 sides or more, got {n}")
     _require_positive("size", across_flats)
     if not 0.0 < corner_radius <= across_flats / 2:
         raise ValueError(
@@ -237,15 +235,12 @@ def contour_of(shape: str, radius: float) -> ClosedCurve:
 
     Raises ValueError for an unknown shape, or a radius that is not positive.
     """
-    if shape not in RADII:
-        raise ValueError(f"Unknown shape {shape!r}. Shapes: {', '.join(RADII)}")
     size = 2.0 * radius
     match shape:
         case "circle":
             return Circle(radius)
         case "slot":
             return slot(size, size / 3.0)
-        case "square":
-            return square(size, CORNER * size)
-        case _:
-            return hexagon(size, CORNER * size)
+        case "square" | "hexagon":
+            return regular_polygon(4 if shape == "square" else 6, size, CORNER * size)
+    raise ValueError(f"Unknown shape {shape!r}. Shapes: {', '.join(RADII)}")

@@ -1,6 +1,5 @@
 """Motion instructions in the manner of RAPID, as data in SI units."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -152,20 +151,14 @@ class Program:
             raise ProgramError(f"{self.source}: a program needs at least one move")
         if not self.start or not np.isfinite(self.start).all():
             raise ProgramError(f"{self.source}: start must be finite motor angles")
-        for name, given in self._of_motors():
+        targets = [i.to for i in self.instructions if not isinstance(i, Wait)]
+        of_motors = [("joint_acceleration", self.dynamics.joint_acceleration)]
+        of_motors += [("motors", to.motors) for to in targets if to.motors is not None]
+        of_motors += [("near", to.near) for to in targets if to.near is not None]
+        for name, given in of_motors:
             if len(given) != len(self.start):
                 many = f"{len(self.start)} numbers, one for each motor, got {len(given)}"
                 raise ProgramError(f"{self.source}: {name} must be {many}")
-
-    def _of_motors(self) -> Iterator[tuple[str, tuple[float, ...]]]:
-        """Values for each motor, with what they are."""
-        yield "joint_acceleration", self.dynamics.joint_acceleration
-        for instruction in self.instructions:
-            if not isinstance(instruction, Wait):
-                to = instruction.to
-                for name, given in (("motors", to.motors), ("near", to.near)):
-                    if given is not None:
-                        yield name, given
 
     def move(self, index: int) -> Move:
         """The instruction of that index, which is a move."""

@@ -75,7 +75,7 @@ NODES = 2001
 class Spiral:
     """Lead-in that spirals outwards: the contour under a scale that grows to 1.
 
-        p(x) = scale(x) contour(end - span (1 - x)),  scale(x) = 1 - (1 - inner) (1 - x)^3
+        p(x) = scale(x) contour(length - span (1 - x)),  scale(x) = 1 - (1 - inner) (1 - x)^3
 
     for x from 0 to 1. The first two derivatives of the scale end at zero, so that position,
     direction and curvature join those of the contour. `span` [m] is the part of the contour that is
@@ -83,9 +83,8 @@ class Spiral:
     """
 
     curve: ClosedCurve
-    end: float
     length: float
-    """[m]: arc length of the contour at the end of the spiral, and length of the spiral."""
+    """[m], of the spiral, and arc length of the contour at its end."""
     inner: float
     """Scale at its start."""
 
@@ -93,7 +92,7 @@ class Spiral:
         """Shape (..., 2) [m], s from 0 to `length`."""
         x = self._parameter(np.asarray(s, dtype=np.float64))
         scale = 1.0 - (1.0 - self.inner) * (1.0 - x) ** 3
-        return scale[..., np.newaxis] * self.curve.point(self.end - self._span * (1.0 - x))
+        return scale[..., np.newaxis] * self.curve.point(self.length - self._span * (1.0 - x))
 
     def tangent(self, s: ArrayLike) -> Array:
         """Unit vector along increasing s, shape (..., 2)."""
@@ -108,7 +107,7 @@ class Spiral:
         return float(1.0 / np.max(np.abs(np.diff(heading) / np.diff(s))))
 
     def _velocity(self, x: Array, span: float) -> Array:
-        on_contour = self.end - span * (1.0 - x)
+        on_contour = self.length - span * (1.0 - x)
         scale = 1.0 - (1.0 - self.inner) * (1.0 - x) ** 3
         growth = 3.0 * (1.0 - self.inner) * (1.0 - x) ** 2
         along = (span * scale)[..., np.newaxis] * self.curve.tangent(on_contour)
@@ -138,12 +137,12 @@ class Spiral:
         return 0.5 * (low + high)
 
     @cached_property
-    def _table(self) -> tuple[Array, Array]:
-        return self._arc_length(self._span), np.linspace(0.0, 1.0, NODES)
+    def _table(self) -> Array:
+        return self._arc_length(self._span)
 
     def _parameter(self, s: Array) -> Array:
         """x at arc length s: the table, then two steps of Newton's method."""
-        arc_length, nodes = self._table
+        arc_length, nodes = self._table, np.linspace(0.0, 1.0, NODES)
         x = np.interp(s, arc_length, nodes)
         for _ in range(2):
             below = np.clip(np.searchsorted(nodes, x, side="right") - 1, 0, NODES - 2)
@@ -190,19 +189,9 @@ class CuttingPath:
         return cls(curve=curve, plane=plane, lead_in=length, lead_out=length, spiral=spiral)
 
     @property
-    def contour_start(self) -> float:
-        """Arc length at the start of the contour [m]."""
-        return self.lead_in
-
-    @property
-    def contour_end(self) -> float:
-        """Arc length at the end of the contour [m]."""
-        return self.lead_in + self.curve.length
-
-    @property
     def length(self) -> float:
         """[m], leads included."""
-        return self.contour_end + self.lead_out
+        return self.lead_in + self.curve.length + self.lead_out
 
     @property
     def smallest_radius(self) -> float:
@@ -230,4 +219,4 @@ class CuttingPath:
     def _spiral(self) -> Spiral | None:
         if self.spiral is None or self.lead_in == 0.0:
             return None
-        return Spiral(self.curve, self.lead_in, self.lead_in, self.spiral)
+        return Spiral(self.curve, self.lead_in, self.spiral)

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +15,13 @@ from armside.kinematics import compile as compile_robot
 
 from ..notes import Cause, Note
 from .curves import Curve, blend, check_limits, move_curve, zone_fraction
-from .instructions import Instruction, Program, ProgramError, Speed, Wait
+from .instructions import Instruction, Move, Program, ProgramError, Speed, Wait
 from .move_timing import PieceLimits, curve_bounds, fastest, piece_limits, time_chain
 from .timing import Timing
+from .tool_motion import STEP
 
+REST_AFTER = 0.5
+"""[s]."""
 N_PARTS = 8
 """Parts into which a move that is limited somewhere is divided."""
 PLACES = 201
@@ -58,8 +62,7 @@ class ProgramMotion:
         freeze_rows(self, "time", "phi", "instruction")
 
 
-@dataclass(frozen=True)
-class _Piece:
+class _Piece(NamedTuple):
     """A curve with its limits: a move, a part of one, or the corner to the next."""
 
     instruction: int
@@ -68,14 +71,21 @@ class _Piece:
     corner: bool
 
 
+class _Span(NamedTuple):
+    """Time of a piece or, without a curve, of a wait."""
+
+    begin: float
+    instruction: int
+    curve: Curve | None = None
+    timing: Timing | None = None
+
+
 def plan_program(
     program: Program,
     robot: Robot,
     limits: Limits,
     *,
     rest_before: float = 0.5,
-    rest_after: float = 0.5,
-    step: float = 0.004,
 ) -> ProgramMotion:
     """Plan a program: geometry, corners, then the fastest timing the limits allow.
 
@@ -83,22 +93,30 @@ def plan_program(
     that is passed, or no circle through three points.
     """
     planner = _Planner(program, compile_robot(robot), limits)
-    clock = rest_before
-    spans: list[tuple[float, float, int, Curve | None, Timing | None]] = []
-    reports: list[MoveReport] = []
+    clock, spans, reports = rest_before, list[_Span](), list[MoveReport]()
     for chain in _chains(program.instructions):
         instruction = program.instructions[chain[0]]
         if isinstance(instruction, Wait):
-            spans.append((clock, clock + instruction.seconds, chain[0], None, None))
+            spans.append(_Span(clock, chain[0]))
             clock += instruction.seconds
             continue
         pieces, timings = planner.fastest(chain)
-        begun = clock
+        reports += _reports(program, pieces, timings, clock)
         for piece, timing in zip(pieces, timings, strict=True):
-            spans.append((clock, clock + timing.duration, piece.instruction, piece.curve, timing))
+            spans.append(_Span(clock, piece.instruction, piece.curve, timing))
             clock += timing.duration
-        reports += _reports(program, pieces, timings, begun)
-    return _sampled(program, spans, clock + rest_after, step, tuple(reports))
+    # Between spans the robot rests.
+    n = int(np.ceil((clock + REST_AFTER) / STEP - 1e-9)) + 1
+    time: Array = np.arange(n, dtype=np.float64) * STEP
+    phi, instructions = np.tile(np.array(program.start), (n, 1)), np.zeros(n, dtype=np.int64)
+    for begin, index, curve, timing in spans:
+        instructions[time >= begin] = index
+        if curve is not None and timing is not None:
+            end = begin + timing.duration
+            inside = (time >= begin) & (time <= end)
+            phi[inside] = curve.at(np.clip(timing.at(time[inside] - begin)[0], 0.0, 1.0))
+            phi[time > end] = curve.at(1.0)
+    return ProgramMotion(time=time, phi=phi, instruction=instructions, reports=tuple(reports))
 
 
 def straight_timing(program: Program, robot: Robot, limits: Limits) -> Timing:
@@ -107,26 +125,23 @@ def straight_timing(program: Program, robot: Robot, limits: Limits) -> Timing:
     Raises ProgramError as `plan_program`.
     """
     pieces, timings = _Planner(program, compile_robot(robot), limits).fastest([0])
-    first = np.array([piece.curve.first for piece in pieces])
-    span = np.array([piece.curve.last for piece in pieces]) - first
     begins = np.concatenate([[0.0], np.cumsum([timing.duration for timing in timings])])
-    states = [part * timing.state for part, timing in zip(span, timings, strict=True)]
-    for state, offset in zip(states, first, strict=True):
-        state[:, 0] += offset
-    start = [begin + t.start for begin, t in zip(begins[:-1], timings, strict=True)]
+    start, states = list[Array](), list[Array]()
+    for begin, piece, timing in zip(begins[:-1], pieces, timings, strict=True):
+        start.append(begin + timing.start)
+        states.append((piece.curve.last - piece.curve.first) * timing.state)
+        states[-1][:, 0] += piece.curve.first
     return Timing(np.concatenate(start), np.concatenate(states), float(begins[-1]))
 
 
 def _chains(instructions: Sequence[Instruction]) -> list[list[int]]:
     """Indices of moves that follow without a stop; a wait is a chain of its own."""
     chains: list[list[int]] = []
-    running = False
-    for index, instruction in enumerate(instructions):
-        is_move = not isinstance(instruction, Wait)
-        if not (running and is_move):
+    for index, (before, instruction) in enumerate(pairwise([None, *instructions])):
+        running = isinstance(before, Move) and before.zone > 0.0
+        if not (running and isinstance(instruction, Move)):
             chains.append([])
         chains[-1].append(index)
-        running = is_move and instruction.zone > 0.0
     return chains
 
 
@@ -215,9 +230,7 @@ def _slower(a: Speed, b: Speed) -> Speed:
     """Speed through a corner: the slower of two of a kind, else the one along the path."""
     if a.path and b.path:
         return a if a.path <= b.path else b
-    if a.share and b.share:
-        return a if a.share <= b.share else b
-    return a if a.path else b
+    return min(a, b, key=lambda speed: speed.share or 0.0)
 
 
 def _reports(
@@ -258,26 +271,6 @@ def _reason(slow: Sequence[PieceLimits], throughout: bool) -> str:
     if limited:
         return min(limited, key=lambda piece: piece.speed * piece.tool_rate).limited_by
     return "length of the move" if throughout else ""
-
-
-def _sampled(
-    program: Program,
-    spans: Sequence[tuple[float, float, int, Curve | None, Timing | None]],
-    end: float,
-    step: float,
-    reports: tuple[MoveReport, ...],
-) -> ProgramMotion:
-    """Motor angles at the log rate; between spans the robot rests."""
-    time: Array = np.arange(int(np.ceil(end / step - 1e-9)) + 1, dtype=np.float64) * step
-    phi = np.tile(np.array(program.start), (len(time), 1))
-    instruction = np.zeros(len(time), dtype=np.int64)
-    for first, last, index, curve, timing in spans:
-        instruction[time >= first] = index
-        if curve is not None and timing is not None:
-            inside = (time >= first) & (time <= last)
-            phi[inside] = curve.at(np.clip(timing.at(time[inside] - first)[0], 0.0, 1.0))
-            phi[time > last] = curve.at(1.0)
-    return ProgramMotion(time=time, phi=phi, instruction=instruction, reports=reports)
 
 
 def slower_moves(motion: ProgramMotion) -> Iterator[Note]:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +25,7 @@ STANDSTILL = 0.01
 """Fraction of a path's highest speed that counts as rest."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Bounds:
+class Bounds(NamedTuple):
     """Limits of the joints at places of a path, |along s'' + bend s'^2 + offset| <= 1 each."""
 
     speed: Array
@@ -40,13 +40,11 @@ class Bounds:
     @property
     def steady(self) -> Array:
         """(N,) [m/s], highest speed that the joints can hold."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            most = [(1.0 - sign * self.offset) / (sign * self.bend) for sign in (1.0, -1.0)]
-        sides = [
-            np.where(s * self.bend > 0.0, m, np.inf) for s, m in zip((1.0, -1.0), most, strict=True)
-        ]
-        fastest = np.maximum(np.minimum(*sides).min(axis=1), 0.0)
-        return np.minimum(self.speed, np.sqrt(fastest))
+        # The side that the bend drives to: sign(bend) (bend s'^2 + offset) <= 1.
+        sign, size = np.sign(self.bend), np.abs(self.bend)
+        most = np.full_like(size, np.inf)
+        np.divide(1.0 - sign * self.offset, size, out=most, where=size > 0.0)
+        return np.minimum(self.speed, np.sqrt(np.maximum(most.min(axis=1), 0.0)))
 
 
 BoundsAt = Callable[[Array], Bounds]
@@ -131,11 +129,6 @@ class Grid:
         held[[0, 1, -2, -1]] = True
         return held
 
-    @property
-    def kinds(self) -> int:
-        """Number of rows at each point beside those of jerk."""
-        return len(self.fixed_rows.bound)
-
     @cached_property
     def fixed_rows(self) -> LimitRows:
         """Limits of speed, of acceleration, and of the joints."""
@@ -197,12 +190,12 @@ class Grid:
         bound = (2.0 if x is None else 3.0) * jerk / np.sqrt(at) / self.unit
         bound[[0, -1]] = np.inf
         one = np.ones_like(at)
-        rising, sinking = (one, falling - 2.0, one, bound), (-one, falling + 2.0, -one, bound)
-        return stacked([LimitRows(*rising), LimitRows(*sinking)])
+        rising = LimitRows(one, falling - 2.0, one, bound)
+        return stacked([rising, LimitRows(-one, falling + 2.0, -one, bound)])
 
 
-def nearly_at_rest(grid: Grid, x: Array, slack: float) -> NDArray[np.bool_]:
-    """(N,), points of a grid whose speed is below `slack` of one that could be held there.
+def nearly_at_rest(grid: Grid, x: Array) -> NDArray[np.bool_]:
+    """(N,), points of a grid whose speed is below `SLACK` of one that could be held there.
 
     The lowest speed allowed within the length of a ramp to the highest can be held over all of it;
     the ramps at both ends are left out. x: (N,) [m^2/s^2].
@@ -217,4 +210,4 @@ def nearly_at_rest(grid: Grid, x: Array, slack: float) -> NDArray[np.bool_]:
     peak = np.minimum(grid.limits.acceleration, np.sqrt(grid.limits.jerk * lowest))
     ramp = 0.5 * lowest * (lowest / np.maximum(peak, 1e-12) + peak / grid.limits.jerk)
     from_end = np.minimum(grid.s, grid.ends[-1] - grid.s)
-    return (np.sqrt(x) < slack * lowest) & (from_end > 2.0 * ramp) & ~grid.held
+    return (np.sqrt(x) < SLACK * lowest) & (from_end > 2.0 * ramp) & ~grid.held

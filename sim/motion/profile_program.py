@@ -16,7 +16,7 @@ as long. TOPP-RA solves limits of acceleration alone: rows of jerk touch three p
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -43,8 +43,7 @@ ROUNDING = 1e-12
 """Relative shift of the normal matrix's diagonal, by which it stays positive definite."""
 
 
-@dataclass(frozen=True, eq=False)
-class LimitRows:
+class LimitRows(NamedTuple):
     """K rows for each point; one whose bound is infinite is none."""
 
     lower: Array
@@ -56,14 +55,15 @@ class LimitRows:
 
 def stacked(rows: Sequence[LimitRows]) -> LimitRows:
     """Rows of several kinds as one, (K, N)."""
-    names = [field.name for field in fields(LimitRows)]
-    return LimitRows(*(np.vstack([getattr(row, name) for row in rows]) for name in names))
+    return LimitRows(*(np.vstack(parts) for parts in zip(*rows, strict=True)))
 
 
 @dataclass(frozen=True, eq=False)
-class Programme(LimitRows):
-    """Rows of K kinds over the N points of M paths, (K, N) each."""
+class Programme:
+    """Rows of K kinds over the N points of M paths."""
 
+    rows: LimitRows
+    """(K, N) each, with finite bounds."""
     starts: NDArray[np.int64]
     """(M,), first point of each path."""
     held: NDArray[np.bool_]
@@ -84,40 +84,35 @@ class Programme(LimitRows):
         weight: (N,), of order 1; ones if None.
         """
         weight = np.ones(len(held)) if weight is None else weight
-        real = np.isfinite(rows.bound)
-        sides = rows.lower, rows.middle, rows.upper
-        lower, middle, upper = (np.where(real, side, 0.0) for side in sides)
-        bound = np.where(real, rows.bound, 1.0)
-        return cls(lower, middle, upper, bound, starts, held, weight)
+        *sides, bound = rows
+        real = np.isfinite(bound)
+        finite = [*(np.where(real, side, 0.0) for side in sides), np.where(real, bound, 1.0)]
+        return cls(LimitRows(*finite), starts, held, weight)
 
     def of_paths(self, chosen: NDArray[np.bool_]) -> "Programme":
         """The rows of some paths (M,) alone."""
         points, sizes = self.per_path(chosen), self.sizes[chosen]
-        return Programme(
-            lower=self.lower[:, points],
-            middle=self.middle[:, points],
-            upper=self.upper[:, points],
-            bound=self.bound[:, points],
-            starts=np.cumsum(sizes) - sizes,
-            held=self.held[points],
-            weight=self.weight[points],
-        )
+        rows = LimitRows(*(part[:, points] for part in self.rows))
+        starts = np.cumsum(sizes) - sizes
+        return Programme(rows, starts, self.held[points], self.weight[points])
 
     def times(self, x: Array) -> Array:
         """(K, N), left sides of all rows."""
+        lower, middle, upper, _ = self.rows
         padded = np.concatenate([[0.0], x, [0.0]])
-        return self.lower * padded[:-2] + self.middle * x + self.upper * padded[2:]
+        return lower * padded[:-2] + middle * x + upper * padded[2:]
 
     def back(self, z: Array) -> Array:
         """(N,), the transposed product."""
-        out = (self.middle * z).sum(axis=0)
-        out[:-1] += (self.lower * z).sum(axis=0)[1:]
-        out[1:] += (self.upper * z).sum(axis=0)[:-1]
+        lower, middle, upper, _ = self.rows
+        out = (middle * z).sum(axis=0)
+        out[:-1] += (lower * z).sum(axis=0)[1:]
+        out[1:] += (upper * z).sum(axis=0)[:-1]
         return out
 
     def normal(self, w: Array) -> Array:
         """(3, N), lower diagonals of the rows' weighted normal matrix."""
-        a, b, c = self.lower, self.middle, self.upper
+        a, b, c, _ = self.rows
         band = np.zeros((3, w.shape[1]))
         band[0] = (w * b * b).sum(axis=0)
         band[0, :-1] += (w * a * a).sum(axis=0)[1:]
@@ -136,7 +131,12 @@ class Programme(LimitRows):
     @cached_property
     def sizes(self) -> NDArray[np.int64]:
         """(M,), number of points of each path."""
-        return np.diff(self.starts, append=self.bound.shape[1])
+        return np.diff(self.starts, append=len(self.held))
+
+    @property
+    def n_rows(self) -> NDArray[np.int64]:
+        """(M,), number of rows of each path."""
+        return self.sizes * len(self.rows.bound)
 
 
 def largest(programme: Programme, x: Array, gap: float = GAP) -> tuple[Array, NDArray[np.bool_]]:
@@ -144,7 +144,7 @@ def largest(programme: Programme, x: Array, gap: float = GAP) -> tuple[Array, ND
 
     x: where to start; held points keep it. gap: largest mean complementarity of what is found.
     """
-    slack = np.maximum(programme.bound - programme.times(x), 0.1)
+    slack = np.maximum(programme.rows.bound - programme.times(x), 0.1)
     at = _Iterate(x, slack, np.full_like(slack, 1.0 / len(slack)))
     A, best, found = programme, x.copy(), np.zeros(len(programme.starts), dtype=bool)
     paths, points = np.arange(len(found)), np.arange(len(x))  # that A still has
@@ -184,9 +184,8 @@ class _Iterate:
         return _Iterate(self.x[points], self.slack[:, points], self.z[:, points])
 
     def state(self, A: Programme, gap: float) -> _State:
-        primal = A.times(self.x) + self.slack - A.bound
-        mean = np.add.reduceat((self.slack * self.z).sum(axis=0), A.starts)
-        mean = mean / (A.sizes * len(A.bound))
+        primal = A.times(self.x) + self.slack - A.rows.bound
+        mean = np.add.reduceat((self.slack * self.z).sum(axis=0), A.starts) / A.n_rows
         worst = np.maximum.reduceat(np.abs(primal).max(axis=0), A.starts)
         return _State((mean < gap) & (worst < FEASIBLE), mean, primal)
 
@@ -220,7 +219,7 @@ class _Iterate:
         step = direction(slack * z)
         length = lengths(step, 1.0)
         after = (slack + length[0] * step[1]) * (z + length[1] * step[2])
-        reached = np.add.reduceat(after.sum(axis=0), A.starts) / (A.sizes * len(A.bound))
+        reached = np.add.reduceat(after.sum(axis=0), A.starts) / A.n_rows
         target = A.per_path(mean * np.clip(reached / np.maximum(mean, 1e-300), 0.0, 1.0) ** 3)
         step = direction(slack * z + step[1] * step[2] - target)
         along, beside = (moving * each for each in lengths(step, TO_BOUNDARY))

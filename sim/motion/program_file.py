@@ -63,25 +63,23 @@ def parse_program(
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise ProgramError(f"{source}: {error}") from error
-    return _Reader(text, source, n_axes, dynamics).program(data)
+    return _Reader(text, source).program(data, n_axes, dynamics)
 
 
 class _Reader:
     """Reader of one text, with the lines of its tables for messages."""
 
-    def __init__(self, text: str, source: str, n_axes: int, dynamics: Dynamics) -> None:
-        self.source, self.n_axes, self.dynamics = source, n_axes, dynamics
-        self.text_lines = text.splitlines()
+    def __init__(self, text: str, source: str) -> None:
+        self.source, self.text_lines = source, text.splitlines()
         heads = [i for i, line in enumerate(self.text_lines) if re.match(r"\s*\[", line)]
         ends = [*heads[1:], len(self.text_lines)]
         self.blocks = [(self.text_lines[a].strip(), a, b) for a, b in zip(heads, ends, strict=True)]
 
-    def program(self, data: Mapping[str, Any]) -> Program:
+    def program(self, data: Mapping[str, Any], n: int, known: Dynamics) -> Program:
         whole = (0, len(self.text_lines))
-        self._in(whole, lambda: _only(data, {"start", "targets", "dynamics", "program"}))
-        n = self.n_axes
+        self._in(whole, _only, data, {"start", "targets", "dynamics", "program"})
         targets = {
-            name: self._in(self._named("targets", name), lambda t=table: _target(t, n))
+            name: self._in(self._named("targets", name), _target, table, n)
             for name, table in self._table(data, "targets").items()
         }
         dynamics = self._table(data, "dynamics")
@@ -92,14 +90,14 @@ class _Reader:
         if len(steps) != len(places):
             raise ProgramError(f"{self.source}: write each instruction as a [[program]] table")
         instructions = tuple(
-            self._in(place, lambda s=step: _instruction(s, targets, n))
+            self._in(place, _instruction, step, targets, n)
             for step, place in zip(steps, places, strict=True)
         )
         top = (0, self.blocks[0][1] if self.blocks else len(self.text_lines))
         return Program(
             instructions=instructions,
-            start=self._in(top, lambda: _numbers("start", data.get("start", [0] * n), n, DEG)),
-            dynamics=self._in(self._named("dynamics"), lambda: _dynamics(dynamics, self.dynamics)),
+            start=self._in(top, _numbers, "start", data.get("start", [0] * n), n, DEG),
+            dynamics=self._in(self._named("dynamics"), _dynamics, dynamics, known),
             source=self.source,
             lines=tuple(a + 1 for a, _ in places),
         )
@@ -117,10 +115,10 @@ class _Reader:
                 return a, b
         return 0, len(self.text_lines)
 
-    def _in(self, place: tuple[int, int], make: Callable[[], Any]) -> Any:
+    def _in(self, place: tuple[int, int], make: Callable[..., Any], *of: Any) -> Any:
         """Result of `make`; errors get file and line, that of the key they begin with."""
         try:
-            return make()
+            return make(*of)
         except ValueError as error:
             word = re.match(r"\w+", str(error))
             key = re.compile(rf"\s*{word.group(0)}\s*=" if word else "(?!)")  # none without a word
@@ -142,17 +140,14 @@ def _instruction(table: Mapping[str, Any], targets: Mapping[str, Target], n: int
     if kind not in ("MoveJ", "MoveL", "MoveC"):
         raise ValueError(f"do: unknown instruction {kind!r}. Known: MoveJ, MoveL, MoveC, Wait")
     _only(table, {"do", "to", "speed", "zone"} | ({"via"} if kind == "MoveC" else set()))
-    common: dict[str, Any] = {
-        "to": _to(_required(table, "to"), targets, n),
-        "speed": _speed(_required(table, "speed")),
-        "zone": _number("zone", table.get("zone", 0.0)) * MM,
-    }
+    to, speed = _to(_required(table, "to"), targets, n), _speed(_required(table, "speed"))
+    zone = _number("zone", table.get("zone", 0.0)) * MM
     if kind != "MoveC":
-        return MoveJ(**common) if kind == "MoveJ" else MoveL(**common)
+        return (MoveJ if kind == "MoveJ" else MoveL)(to=to, speed=speed, zone=zone)
     via = _to(_required(table, "via"), targets, n, "via").position
     if via is None:
         raise ValueError("via needs a position")
-    return MoveC(**common, via=via)
+    return MoveC(to=to, speed=speed, zone=zone, via=via)
 
 
 def _required(table: Mapping[str, Any], name: str) -> Any:

@@ -11,15 +11,15 @@ as to be faster around it. Such a path is solved again with the sum weighted as 
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from armside.arrays import Array
 
-from .profile_grid import MOST, SLACK, STANDSTILL, BoundsAt, Grid, nearly_at_rest
-from .profile_program import GAP, LimitRows, Programme, largest
+from .profile_grid import MOST, STANDSTILL, BoundsAt, Grid, nearly_at_rest
+from .profile_program import GAP, LimitRows, Programme, largest, stacked
 from .timing import PathLimits, Timing, profile_timing
 
 ROUNDS = 3
@@ -95,12 +95,15 @@ def _first_grid(path: Bends, speed: float, limits: PathLimits) -> Grid:
     bend = np.maximum(np.abs(path.curvature), 1e-12)
     allowed = np.minimum(speed, np.sqrt(limits.acceleration / bend))
     ends = np.concatenate([[0.0], np.cumsum(path.lengths)])
-    first = START * min(_lowest(ends, allowed, 0.0, 0.1), _lowest(ends, allowed, 0.9, 1.0))
+    near = (ends[:-1] <= 0.1 * ends[-1]) | (ends[1:] >= 0.9 * ends[-1])
+    # Of a first phase within a tenth of the length and 0.8 of the acceleration.
+    steepest = 0.8 * limits.acceleration / limits.jerk
+    longest = min((0.6 * float(ends[-1]) / limits.jerk) ** (1 / 3), steepest)
     return Grid(
         ends=ends,
         allowed=allowed,
         limits=limits,
-        first=min(first, _fastest_start(float(ends[-1]), limits)),
+        first=min(START * float(allowed[near].min()), 0.5 * limits.jerk * longest**2),
         fraction=0.95,
         bounds=path.bounds,
     )
@@ -109,7 +112,7 @@ def _first_grid(path: Bends, speed: float, limits: PathLimits) -> Grid:
 def _batches(grids: dict[int, Grid]) -> Iterator[list[int]]:
     """Indices of grids that are solved at once: those with as many rows beside each other."""
     batch, points = list[int](), 0
-    for i, grid in sorted(grids.items(), key=lambda each: each[1].kinds):
+    for i, grid in sorted(grids.items(), key=lambda each: len(each[1].fixed_rows.bound)):
         if batch and points + len(grid.s) > TOGETHER:
             yield batch
             batch, points = [], 0
@@ -123,7 +126,7 @@ def _judged(grid: Grid, x: Array | None) -> Profile | Grid:
     """The profile of a solution, or the grid of the next attempt."""
     if x is None:
         return replace(grid, first=0.5 * grid.first)
-    if not grid.timed and nearly_at_rest(grid, x, SLACK).any():
+    if not grid.timed and nearly_at_rest(grid, x).any():
         return replace(grid, timed=True)
     found = _profile(grid, x)
     if len(grid.s) < MOST and _fastest(grid, found.timing) > 1.0 + FASTER:
@@ -146,22 +149,19 @@ def _fastest(grid: Grid, timing: Timing) -> float:
 
 def _solved(grids: Sequence[Grid]) -> list[Array | None]:
     """x = v^2 at the points of each grid; None where the first phase is too fast."""
-    able = [grid for grid in grids if grid.possible]
-    if not able:
+    if not (able := [grid for grid in grids if grid.possible]):
         return [None] * len(grids)
     sizes = np.array([len(grid.s) for grid in able])
     starts = np.concatenate([[0], np.cumsum(sizes)[:-1]])
     held = np.concatenate([grid.held for grid in able])
     at: list[Array | None] = [None] * len(able)
     for round_ in range(ROUNDS):
-        rows = _side_by_side(
-            [(g.rows(x), g.fixed_rows) for g, x in zip(able, at, strict=True)], starts
-        )
-        weight = np.concatenate([g.weight(x) for g, x in zip(able, at, strict=True)])
-        begin = [g.start if x is None else x for g, x in zip(able, at, strict=True)]
+        known = list(zip(able, at, strict=True))
+        rows = _side_by_side([stacked([g.rows(x), g.fixed_rows]) for g, x in known], starts)
+        weight = np.concatenate([g.weight(x) for g, x in known])
+        begin = np.concatenate([g.start if x is None else x for g, x in known])
         gap = GAP if round_ == ROUNDS - 1 else ROUGH
-        programme = Programme.of(rows, starts, held, weight)
-        x, solved = largest(programme, np.concatenate(begin), gap)
+        x, solved = largest(Programme.of(rows, starts, held, weight), begin, gap)
         for i, part in enumerate(np.split(x, starts[1:])):
             if solved[i] and (round_ == 0 or at[i] is not None):
                 at[i] = np.maximum(part, 0.0)
@@ -169,34 +169,15 @@ def _solved(grids: Sequence[Grid]) -> list[Array | None]:
     return [next(found) if grid.possible else None for grid in grids]
 
 
-def _side_by_side(
-    rows: Sequence[tuple[LimitRows, LimitRows]], starts: NDArray[np.int64]
-) -> LimitRows:
+def _side_by_side(rows: Sequence[LimitRows], starts: NDArray[np.int64]) -> LimitRows:
     """Rows of several grids as those of one; a kind that a grid lacks is no row there."""
-    kinds = max(len(first.bound) + len(second.bound) for first, second in rows)
-    n = int(starts[-1]) + rows[-1][0].bound.shape[1]
-    lower, middle, upper = np.zeros((3, kinds, n))
-    every = LimitRows(lower, middle, upper, np.full((kinds, n), np.inf))
+    shape = max(len(own.bound) for own in rows), int(starts[-1]) + rows[-1].bound.shape[1]
+    every = LimitRows(*[np.full(shape, empty) for empty in (0.0, 0.0, 0.0, np.inf)])
     for own, begin in zip(rows, starts, strict=True):
-        top = 0
-        for part in own:
-            height, width = part.bound.shape
-            for field in fields(LimitRows):
-                block = getattr(every, field.name)[top : top + height, begin : begin + width]
-                block[:] = getattr(part, field.name)
-            top += height
+        height, width = own.bound.shape
+        for whole, part in zip(every, own, strict=True):
+            whole[:height, begin : begin + width] = part
     return every
-
-
-def _lowest(ends: Array, allowed: Array, lower: float, upper: float) -> float:
-    inside = (ends[1:] >= lower * ends[-1]) & (ends[:-1] <= upper * ends[-1])
-    return float(allowed[inside].min())
-
-
-def _fastest_start(length: float, limits: PathLimits) -> float:
-    """Speed [m/s] of a first phase within a tenth of the length and 0.8 of the acceleration."""
-    longest = min((0.6 * length / limits.jerk) ** (1 / 3), 0.8 * limits.acceleration / limits.jerk)
-    return 0.5 * limits.jerk * longest**2
 
 
 def _profile(grid: Grid, x: Array) -> Profile:
@@ -211,5 +192,5 @@ def _profile(grid: Grid, x: Array) -> Profile:
     allowed = grid.allowed[element]
     if grid.joints is not None:
         allowed[1:-1] = np.minimum(allowed[1:-1], grid.joints.speed)
-    rests = grid.s[nearly_at_rest(grid, x, SLACK) & (v < STANDSTILL * grid.caps.max())]
+    rests = grid.s[nearly_at_rest(grid, x) & (v < STANDSTILL * grid.caps.max())]
     return Profile(s, np.concatenate([[0.0], v, [0.0]]), allowed, timing, rests)

@@ -27,6 +27,10 @@ from .contour import ClosedCurve
 from .path import CuttingPath, Plane
 from .timing import PathLimits, Timing, rest_to_rest
 
+STEP = 0.004
+"""[s], of the log."""
+REST_AFTER = 0.35
+"""[s]."""
 LimitHit = tuple[str, int, float]
 """(limit, axis, first time [s]); axis 0 is the tool on its path."""
 
@@ -99,70 +103,53 @@ def cut(
     *,
     limits: PathLimits | None = None,
     rest_before: float = 0.28,
-    rest_after: float = 0.35,
-    step: float = 0.004,
 ) -> ToolMotion:
     """Motion along `path` at `speed` [m/s] with constant tool orientation, from rest to rest.
 
     The speed is lowered to the limit of the smallest radius; leads that are too short for the ramps
-    are lengthened, so that the whole contour is cut at constant speed. The default rests are those
-    of the calibrated record (0.16 s hold and 0.12 s rest; 0.35 s).
+    are lengthened, so that the whole contour is cut at constant speed. The rests are those of the
+    calibrated record (0.16 s hold and 0.12 s rest; 0.35 s).
 
-    Raises ValueError for speed, step or rest out of range, or a quaternion of zero length.
+    Raises ValueError for a speed out of range, or a quaternion of zero length.
     """
     if not (np.isfinite(speed) and speed > 0.0):
         raise ValueError(f"speed must be > 0 m/s, got {speed}")
-    if not (step > 0.0 and rest_before >= 0.0 and rest_after >= 0.0):
-        raise ValueError(
-            f"step must be > 0 and rests >= 0 s, got {step}, {rest_before}, {rest_after}"
-        )
-    limits = limits or PathLimits()
-    reached = min(float(speed), limits.cornering_speed(path.smallest_radius))
+    q = np.asarray(quaternion, dtype=np.float64)
+    if q.shape != (4,) or not np.all(np.isfinite(q)) or np.linalg.norm(q) < 1e-9:
+        raise ValueError(f"quaternion must be four finite numbers, not all zero, got {quaternion}")
+    limits, programmed = limits or PathLimits(), float(speed)
+    reached = min(programmed, limits.cornering_speed(path.smallest_radius))
     ramp = limits.ramp_length(reached)
     path = replace(path, lead_in=max(path.lead_in, ramp), lead_out=max(path.lead_out, ramp))
     timing = rest_to_rest(path.length, reached, limits)
     cruise, _ = timing.cruise
     s_cruise, cruise_speed, _ = timing.at(cruise)
-    first = float(rest_before + cruise + (path.contour_start - s_cruise) / cruise_speed)
+    first = float(rest_before + cruise + (path.lead_in - s_cruise) / cruise_speed)
     last = first + path.curve.length / float(cruise_speed)
-    n_samples = int(np.ceil((rest_before + timing.duration + rest_after) / step - 1e-9)) + 1
-    time: Array = np.arange(n_samples, dtype=np.float64) * step
+    n_samples = int(np.ceil((rest_before + timing.duration + REST_AFTER) / STEP - 1e-9)) + 1
+    time: Array = np.arange(n_samples, dtype=np.float64) * STEP
     s, _, _ = timing.at(time - rest_before)
+    # Limits of acceleration reached: across the path (lower speed) and along it (longer ramp).
+    hits: list[LimitHit] = []
+    if reached < programmed:
+        hits.append(("centripetal_acceleration", 0, rest_before + cruise))
+    steep = np.abs(timing.state[:, 2]) >= limits.acceleration * (1.0 - 1e-9)
+    if steep.any():
+        hits.append(("path_acceleration", 0, rest_before + float(timing.start[steep.argmax()])))
     return ToolMotion(
         time=time,
         position=path.position(s),
-        quaternion=np.tile(_unit_quaternion(quaternion), (n_samples, 1)),
+        quaternion=np.tile(q / np.linalg.norm(q), (n_samples, 1)),
         arc_length=s,
         on_contour=(time >= first) & (time < last),
         contour_time=(first, last),
-        programmed_speed=float(speed),
+        programmed_speed=programmed,
         reached_speed=reached,
-        limits_hit=_limits_hit(timing, limits, speed, reached, rest_before),
+        limits_hit=tuple(hits),
         path=path,
         timing=timing,
         rest_before=rest_before,
     )
-
-
-def _limits_hit(
-    timing: Timing, limits: PathLimits, programmed: float, reached: float, rest_before: float
-) -> tuple[LimitHit, ...]:
-    """Limits of acceleration reached: across the path (lower speed) and along it (longer ramp)."""
-    hits: list[LimitHit] = []
-    if reached < programmed:
-        hits.append(("centripetal_acceleration", 0, rest_before + timing.cruise[0]))
-    _, _, acceleration, _ = timing.state.T
-    at_limit = np.flatnonzero(np.abs(acceleration) >= limits.acceleration * (1.0 - 1e-9))
-    if len(at_limit):
-        hits.append(("path_acceleration", 0, rest_before + float(timing.start[at_limit[0]])))
-    return tuple(hits)
-
-
-def _unit_quaternion(quaternion: ArrayLike) -> Array:
-    q = np.asarray(quaternion, dtype=np.float64)
-    if q.shape != (4,) or not np.all(np.isfinite(q)) or np.linalg.norm(q) < 1e-9:
-        raise ValueError(f"quaternion must be four finite numbers, not all zero, got {quaternion}")
-    return q / np.linalg.norm(q)
 
 
 class Positions(Protocol):
@@ -219,7 +206,6 @@ def plan_cut(
     *,
     start: ArrayLike | None = None,
     path_limits: PathLimits | None = None,
-    step: float = 0.004,
     free_rotation: bool = False,
 ) -> tuple[ToolMotion, Array]:
     """Motion of a cut and its joint reference (N, n) [rad], within path and joint limits.
@@ -228,9 +214,9 @@ def plan_cut(
     """
     reached, slowed = speed, ()
     while True:
-        motion = cut(path, tool_quaternion, reached, limits=path_limits, step=step)
+        motion = cut(path, tool_quaternion, reached, limits=path_limits)
         phi = joint_reference(motion, robot, joint_limits, start=start, free_rotation=free_rotation)
-        use = np.abs(np.gradient(phi, step, axis=0)) / np.array(joint_limits.speed)
+        use = np.abs(np.gradient(phi, STEP, axis=0)) / np.array(joint_limits.speed)
         if use.max() <= 1.0:
             break
         axis = int(np.argmax(use.max(axis=0)))

@@ -84,8 +84,7 @@ class Chain:
 
         That of the first element is from the last one; 0 in an open chain.
         """
-        before = np.roll(self.heading + self.angle, 1)
-        kink = np.pi - np.mod(np.pi - (self.heading - before), 2.0 * np.pi)
+        kink = wrapped(self.heading - np.roll(self.heading + self.angle, 1))
         if not self.closed:
             kink[0] = 0.0
         return kink
@@ -94,9 +93,10 @@ class Chain:
     def reversed(self) -> "Chain":
         return Chain(self.points[::-1], -self.bulge[::-1])
 
-    @property
-    def ending_at_start(self) -> "Chain":
-        """The chain with its first point in place of its last, which rounding keeps apart."""
+    def ending_at_start(self, near: float = np.inf) -> "Chain":
+        """The chain with its first point in place of its last, where those are that near [m]."""
+        if np.linalg.norm(self.points[-1] - self.points[0]) > near:
+            return self
         return Chain(np.vstack([self.points[:-1], self.points[:1]]), self.bulge)
 
     def point(self, s: ArrayLike) -> Array:
@@ -147,6 +147,11 @@ class Chain:
         return np.linalg.norm(np.diff(self.points, axis=0), axis=1)
 
 
+def wrapped(angle: ArrayLike) -> Array:
+    """Angle in (-pi, pi]."""
+    return np.pi - np.mod(np.pi - np.asarray(angle), 2.0 * np.pi)
+
+
 def line(*points: ArrayLike) -> Chain:
     """Straight lines from point to point."""
     return Chain(np.array(points, dtype=np.float64), np.zeros(len(points) - 1))
@@ -163,9 +168,15 @@ def arc(centre: ArrayLike, radius: float, start: float, angle: float) -> Chain:
 
 
 def polyline(points: Array, bulge: Array) -> Chain:
-    """Chain of points (K + 1, 2) and any bulges (K,), arcs above half a turn divided."""
-    pieces = [Chain(points[i : i + 2], bulge[i : i + 1]) for i in range(len(bulge))]
-    return joined([_halved(p) if abs(p.bulge[0]) > 1.0 + 1e-9 else p for p in pieces])
+    """Chain of points (K + 1, 2) and any bulges (K,), arcs above half a turn divided.
+
+    The middle of a chord c is its bulge times c / 2 away.
+    """
+    (dx, dy), large = np.diff(points, axis=0).T, np.abs(bulge) > 1.0 + 1e-9
+    middle = 0.5 * (points[:-1] + points[1:]) + 0.5 * bulge[:, None] * np.stack([dy, -dx], axis=1)
+    halves = np.where(large, np.tan(np.arctan(bulge) / 2.0), bulge)
+    places = np.flatnonzero(large) + 1
+    return Chain(np.insert(points, places, middle[large], 0), np.repeat(halves, 1 + large))
 
 
 def joined(chains: Iterable[Chain]) -> Chain:
@@ -173,15 +184,6 @@ def joined(chains: Iterable[Chain]) -> Chain:
     every = list(chains)
     points = np.vstack([every[0].points, *(c.points[1:] for c in every[1:])])
     return Chain(points, np.concatenate([c.bulge for c in every]))
-
-
-def _halved(one: Chain) -> Chain:
-    """Two arcs of half the angle: the middle of a chord c is its bulge times c / 2 away."""
-    (a, b), bulge = one.points, one.bulge[0]
-    right = np.array([b[1] - a[1], a[0] - b[0]])
-    middle = 0.5 * (a + b) + 0.5 * bulge * right
-    half = np.tan(np.arctan(bulge) / 2.0)
-    return Chain(np.array([a, middle, b]), np.array([half, half]))
 
 
 def place(point: ArrayLike) -> str:
@@ -208,37 +210,31 @@ def biarc(p: Array, along_p: Array, q: Array, along_q: Array) -> Chain:
     return Chain(np.array([p, middle, q]), np.tan(np.array(half) / 2.0))
 
 
-def fitted(
-    curve: PointAndTangent, breaks: Array | list[float], tolerance: float = TOLERANCE
-) -> Chain:
+def ellipse(centre: Array, major: Array, minor: Array, sense: float = 1.0) -> PointAndTangent:
+    """By the angle; `major` and `minor` are half axes, or any conjugate half diameters."""
+    return lambda t: (
+        centre + np.cos(t) * major + np.sin(t) * minor,
+        sense * (np.cos(t) * minor - np.sin(t) * major),
+    )
+
+
+def fitted(curve: PointAndTangent, breaks: Array | list[float], deeper: int = DEEPEST) -> Chain:
     """Arcs along a curve that is smooth between `breaks`, increasing parameters.
 
     Raises ValueError for a curve that arcs do not come near.
     """
-    pieces = [
-        _fitted(curve, float(lower), float(upper), tolerance, DEEPEST)
-        for lower, upper in pairwise(breaks)
-    ]
-    return joined(pieces)
+    ends = ((float(lower), float(upper)) for lower, upper in pairwise(breaks))
+    return joined(_fitted(curve, lower, upper, deeper) for lower, upper in ends)
 
 
-def _fitted(
-    curve: PointAndTangent, lower: float, upper: float, tolerance: float, deeper: int
-) -> Chain:
-    (p, along_p), (q, along_q) = _unit(curve, lower, upper), _unit(curve, upper, lower)
-    arcs = biarc(p, along_p, q, along_q)
+def _fitted(curve: PointAndTangent, lower: float, upper: float, deeper: int) -> Chain:
+    arcs = biarc(*_unit(curve, lower, upper), *_unit(curve, upper, lower))
     between = np.array([curve(lower + (upper - lower) * x)[0] for x in CHECKS])
-    if np.abs(arcs.angle).max() < np.pi / 3 and _off(arcs, between) <= tolerance:
+    if np.abs(arcs.angle).max() < np.pi / 3 and _off(arcs, between) <= TOLERANCE:
         return arcs
     if deeper == 0:
         raise ValueError("the curve has a cusp or is not smooth")
-    middle = 0.5 * (lower + upper)
-    return joined(
-        [
-            _fitted(curve, lower, middle, tolerance, deeper - 1),
-            _fitted(curve, middle, upper, tolerance, deeper - 1),
-        ]
-    )
+    return fitted(curve, [lower, 0.5 * (lower + upper), upper], deeper - 1)
 
 
 def _unit(curve: PointAndTangent, at: float, towards: float) -> tuple[Array, Array]:
@@ -258,15 +254,12 @@ def _unit(curve: PointAndTangent, at: float, towards: float) -> tuple[Array, Arr
 
 def _off(arcs: Chain, points: Array) -> float:
     """Largest distance of points from the nearer of two arcs."""
-    distance = []
-    for i, bend in enumerate(arcs.curvature):
-        heading = arcs.heading[i]
-        normal = np.array([-np.sin(heading), np.cos(heading)])
-        offset = points - arcs.points[i]
-        # (|offset - normal / k| - 1 / k), without the difference of two large numbers
-        square = bend * np.sum(offset**2, axis=1) - 2.0 * offset @ normal
-        distance.append(np.abs(square) / (1.0 + np.sqrt(np.maximum(1.0 + bend * square, 0.0))))
-    return float(np.min(distance, axis=0).max())
+    normal, bend = np.array([-np.sin(arcs.heading), np.cos(arcs.heading)]), arcs.curvature
+    offset = points[:, np.newaxis] - arcs.points[:-1]
+    # (|offset - normal / k| - 1 / k), without the difference of two large numbers
+    square = bend * np.sum(offset**2, axis=2) - 2.0 * np.einsum("mij,ji->mi", offset, normal)
+    distance = np.abs(square) / (1.0 + np.sqrt(np.maximum(1.0 + bend * square, 0.0)))
+    return float(distance.min(axis=1).max())
 
 
 def _angle(a: Array, b: Array) -> float:

@@ -1,6 +1,6 @@
 """Path of the beam's centre over a contour: corners rounded, half a beam aside, with leads."""
 
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from armside.arrays import Array
 
 from .arcs import MM, Chain, arc, biarc, joined, place
-from .geometry import shapely
+from .drawing import shapely
 from .part import SAGITTA
 
 CORNER = 0.5 * MM
@@ -49,12 +49,12 @@ def smooth(chain: Chain, corner: float = CORNER) -> Chain:
     cut = np.minimum(radius * np.tan(half), 0.49 * shorter)
     if not chain.closed:
         return _between(chain, at, cut)
-    # From the middle of the arc at the first corner: turn the chain so that none is at its seam.
-    start = float(at[0] + cut[0] + 0.5 * max(0.0, _free(chain, at, cut)))
-    turned = rotated(chain, start)
+    # From the middle of the first side: turn the chain so that no corner is at its seam.
+    following = at[1] - cut[1] if len(at) > 1 else at[0] + chain.length - cut[0]
+    start = float(at[0] + cut[0] + 0.5 * max(0.0, following - at[0] - cut[0]))
     places = np.mod(at - start, chain.length)
     order = np.argsort(places)
-    return _between(turned, places[order], cut[order])
+    return _between(rotated(chain, start), places[order], cut[order])
 
 
 def rotated(chain: Chain, s: float) -> Chain:
@@ -65,28 +65,19 @@ def rotated(chain: Chain, s: float) -> Chain:
     return joined([chain.part(s, chain.length), chain.part(0.0, s)])
 
 
-def _free(chain: Chain, at: Array, cut: Array) -> float:
-    following = at[1] - cut[1] if len(at) > 1 else at[0] + chain.length - cut[0]
-    return float(following - at[0] - cut[0])
-
-
 def _between(chain: Chain, at: Array, cut: Array) -> Chain:
-    begins = np.concatenate([[0.0], at + cut])
-    ends = np.concatenate([at - cut, [chain.length]])
-    pieces: list[Chain] = []
-    for i, (begin, end) in enumerate(zip(begins, ends, strict=True)):
-        if end - begin > 1e-9:
-            pieces.append(chain.part(float(begin), float(end)))
-        if i < len(at):
-            pieces.append(_corner(chain, float(ends[i]), float(begins[i + 1])))
-    whole = joined(pieces)
-    return whole.ending_at_start if chain.closed else whole
-
-
-def _corner(chain: Chain, before: float, after: float) -> Chain:
-    points, heading = chain.point([before, after]), chain.direction([before, after])
+    """The chain with an arc from `cut` [m] before to as far behind each of the places `at` [m]."""
+    ends = np.concatenate([[0.0], np.column_stack([at - cut, at + cut]).ravel(), [chain.length]])
+    points, heading = chain.point(ends), chain.direction(ends)
     along = np.stack([np.cos(heading), np.sin(heading)], axis=1)
-    return biarc(points[0], along[0], points[1], along[1])
+    pieces: list[Chain] = []
+    for i in range(len(ends) - 1):
+        if i % 2:
+            pieces.append(biarc(points[i], along[i], points[i + 1], along[i + 1]))
+        elif ends[i + 1] - ends[i] > 1e-9:
+            pieces.append(chain.part(float(ends[i]), float(ends[i + 1])))
+    whole = joined(pieces)
+    return whole.ending_at_start() if chain.closed else whole
 
 
 def compensated(chain: Chain, half: float, outwards: bool) -> Chain:
@@ -109,33 +100,23 @@ def compensated(chain: Chain, half: float, outwards: bool) -> Chain:
     normal = np.stack([np.sin(chain.heading), -np.cos(chain.heading)], axis=1)
     moved = chain.points[:-1] + side * normal
     path = Chain(np.vstack([moved, moved[:1]]), chain.bulge)
-    _check_width(chain, path, half)
-    return path
-
-
-def _check_width(chain: Chain, path: Chain, half: float) -> None:
-    """Raise ValueError where the path comes nearer to the contour than half of the beam."""
-    drawn = shapely.LinearRing(chain.polygon(SAGITTA))
     points = path.polygon(SAGITTA)
-    apart = shapely.distance(shapely.points(points), drawn)
+    apart = shapely.distance(shapely.points(points), shapely.LinearRing(chain.polygon(SAGITTA)))
     if apart.min() < half - 4 * SAGITTA:
         at = place(points[int(apart.argmin())])
         raise ValueError(f"the beam of {2 * half / MM:g} mm is wider than the slot at {at}")
+    return path
 
 
-@dataclass(frozen=True)
-class Led:
-    """Path of one contour, with its leads."""
+class Led(NamedTuple):
+    """Path of one contour: lead-in, one turn, lead-out."""
 
-    path: Chain = field(repr=False)
-    """Lead-in, one turn, lead-out."""
+    path: Chain
     lead: float
     """Length of each lead [m]."""
 
 
-def led(
-    path: Chain, inwards: bool, half: float, others: "shapely.STRtree | None" = None, own: int = -1
-) -> Led:
+def led(path: Chain, inwards: bool, half: float, others: "shapely.STRtree", own: int) -> Led:
     """Leads at the middle of the longest element, in the scrap.
 
     inwards: the scrap is inside. others: contours that a beam of half width `half` [m] must not
@@ -144,15 +125,16 @@ def led(
     """
     longest = int(np.argmax(path.lengths))
     turned = rotated(path, float(path.ends[longest] + 0.5 * path.lengths[longest]))
-    ring = shapely.Polygon(path.polygon())
+    start, ring = shapely.Point(turned.points[0]), shapely.Polygon(path.polygon())
     radius = RADIUS
     while radius > SMALLEST:
-        entry, leave = _quarters(turned, radius, inwards)
-        lines = [shapely.LineString(lead.polygon()) for lead in (entry, leave)]
-        if _in_scrap([entry, leave], lines, ring, inwards) and (
-            others is None or not (meets(lines, half, others)[1] != own).any()
-        ):
-            return Led(joined([entry, turned, leave]), entry.length)
+        leads = _quarters(turned, radius, inwards)
+        lines = [shapely.LineString(lead.polygon()) for lead in leads]
+        # Where they touch the path they are tangent to it, on polygons within their sagitta.
+        free = [line.difference(start.buffer(0.3 * leads[0].length)) for line in lines]
+        in_scrap = all(ring.contains(line) if inwards else ring.disjoint(line) for line in free)
+        if in_scrap and not (meets(lines, half, others)[1] != own).any():
+            return Led(joined([leads[0], turned, leads[1]]), leads[0].length)
         radius *= 0.7
     return Led(turned, 0.0)
 
@@ -165,19 +147,8 @@ def _quarters(path: Chain, radius: float, inwards: bool) -> tuple[Chain, Chain]:
     at = heading - side * np.pi / 2.0
     entry = arc(centre, radius, at - side * np.pi / 2.0, side * np.pi / 2.0)
     leave = arc(centre, radius, at, side * np.pi / 2.0)
-    ends = (np.vstack([entry.points[:-1], start]), np.vstack([start, leave.points[1:]]))
-    return Chain(ends[0], entry.bulge), Chain(ends[1], leave.bulge)
-
-
-def _in_scrap(
-    leads: list[Chain], lines: list["shapely.LineString"], ring: "shapely.Polygon", inwards: bool
-) -> bool:
-    # Where they touch the path they are tangent to it, on polygons within their sagitta.
-    free = [
-        line.difference(shapely.Point(lead.points[k]).buffer(0.3 * lead.length))
-        for line, lead, k in zip(lines, leads, (-1, 0), strict=True)
-    ]
-    return all(ring.contains(line) if inwards else ring.disjoint(line) for line in free)
+    entry.points[-1] = leave.points[0] = start
+    return entry, leave
 
 
 def meets(

@@ -10,7 +10,6 @@ place in the drawing does not count. Anything else is refused, as it would not b
 arcs they must join smoothly; corners of lines alone are rounded.
 """
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -20,12 +19,9 @@ from armside.arrays import Array, shown
 from armside.kinematics.robot_file import toml_of
 
 from ..motion.contour import ArcsAndLines, Circle, ClosedCurve, chord
-from .arcs import MM, Chain, place
+from .arcs import MM, Chain, place, wrapped
 from .curve import is_circle
 from .drawing import JOIN, Reading, Unit, join
-
-Element = tuple[float, float]
-"""Length [m], curvature [1/m]."""
 
 SMOOTH = 1e-4
 """Largest angle between elements that join smoothly [rad]."""
@@ -54,7 +50,7 @@ def rounded(points: ArrayLike, corner: float) -> ArcsAndLines:
     if length.min() < SHORTEST:
         raise ValueError(f"two points in a row are the same: {place(p[length.argmin()])}")
     heading = np.arctan2(side[:, 1], side[:, 0])
-    turn = _wrapped(heading - np.roll(heading, 1))  # at the start of each side
+    turn = wrapped(heading - np.roll(heading, 1))  # at the start of each side
     if np.abs(turn).max() > np.pi - 1e-6:
         raise ValueError(f"the contour turns back on itself at {place(p[np.abs(turn).argmax()])}")
     cut = corner * np.tan(np.abs(turn) / 2.0)  # of both sides, for the arc at their corner
@@ -65,16 +61,14 @@ def rounded(points: ArrayLike, corner: float) -> ArcsAndLines:
             f"the side from {place(p[worst])} is {length[worst] / MM:.4g} mm long, too short "
             f"for corners of {corner / MM:g} mm"
         )
-    elements: list[Element] = []
-    for line, bend in zip(straight.tolist(), np.roll(turn, -1).tolist(), strict=True):
-        arc = (corner * abs(bend), float(np.copysign(1.0 / corner, bend)))
-        elements += [(line, 0.0), arc]
+    bend = np.roll(turn, -1)
+    lengths = np.column_stack([straight, corner * np.abs(bend)]).ravel()
+    curvature = np.column_stack([np.zeros_like(bend), np.copysign(1.0 / corner, bend)]).ravel()
     first = p[0] + cut[0] * side[0] / length[0]
-    return _chain(first, float(heading[0]), elements)
+    return _chain(first, float(heading[0]), lengths, curvature)
 
 
-def as_drawn(chain: Chain) -> ArcsAndLines:
-    """Closed chain of arcs and lines. Raises ValueError for a corner."""
+def _as_drawn(chain: Chain) -> ArcsAndLines:
     chain = chain if chain.area > 0.0 else chain.reversed
     kinks = np.abs(chain.kinks)
     if (worst := kinks.max()) > SMOOTH:
@@ -82,43 +76,30 @@ def as_drawn(chain: Chain) -> ArcsAndLines:
             f"there is a corner of {np.degrees(worst):.4g} deg at "
             f"{place(chain.points[kinks.argmax()])}; a contour with arcs must be smooth"
         )
-    elements = list(zip(chain.lengths.tolist(), chain.curvature.tolist(), strict=True))
-    return _chain(chain.points[0], float(chain.heading[0]), elements)
+    return _chain(chain.points[0], float(chain.heading[0]), chain.lengths, chain.curvature)
 
 
-def _chain(first: Array, heading: float, elements: Sequence[Element]) -> ArcsAndLines:
-    """Chain that starts where it heads along +y on its right side, as all contours do."""
-    present = [e for e in elements if e[0] > SHORTEST]
-    at = np.array(first)
+def _chain(first: Array, heading: float, lengths: Array, curvature: Array) -> ArcsAndLines:
+    """Elements from where they head along +y on their right side, as all contours do."""
+    elements = zip(lengths.tolist(), curvature.tolist(), strict=True)
+    present = [(length, bend) for length, bend in elements if length > SHORTEST]
+    at = first
     best = (-np.inf, 0, 0.0, at)
-    for i, (length, curvature) in enumerate(present):
-        along = _where_north(heading, length, curvature)
-        if along is not None:
-            there = at + chord(along, curvature, heading)
-            if there[0] > best[0] + SHORTEST:
-                best = (float(there[0]), i, along, there)
-        at = at + chord(length, curvature, heading)
-        heading += length * curvature
+    for i, (length, bend) in enumerate(present):
+        off = float(wrapped(np.pi / 2.0 - heading))
+        along = length / 2.0 if abs(off) < 1e-9 else np.inf  # the middle of a line
+        if bend != 0.0:
+            along = float(np.mod(off * np.sign(bend), 2.0 * np.pi) / abs(bend))
+        if along <= length and (there := at + chord(along, bend, heading))[0] > best[0] + SHORTEST:
+            best = (float(there[0]), i, along, there)
+        at = at + chord(length, bend, heading)
+        heading += length * bend
     _, i, along, start = best
-    length, curvature = present[i]
-    begun = [(length - along, curvature), *present[i + 1 :], *present[:i], (along, curvature)]
+    length, bend = present[i]
+    turned = [(length - along, bend), *present[i + 1 :], *present[:i], (along, bend)]
     return ArcsAndLines(
-        (float(start[0]), float(start[1])), tuple(e for e in begun if e[0] > SHORTEST)
+        (float(start[0]), float(start[1])), tuple(e for e in turned if e[0] > SHORTEST)
     )
-
-
-def _where_north(heading: float, length: float, curvature: float) -> float | None:
-    """Length along an element to where it heads along +y, on a line to its middle; or None."""
-    off = float(_wrapped(np.array(np.pi / 2.0 - heading)))
-    if curvature == 0.0:
-        return length / 2.0 if abs(off) < 1e-9 else None
-    along = np.mod(off * np.sign(curvature), 2.0 * np.pi) / abs(curvature)
-    return float(along) if along <= length else None
-
-
-def _wrapped(angle: Array) -> Array:
-    """Angle in (-pi, pi]."""
-    return np.pi - np.mod(np.pi - angle, 2.0 * np.pi)
 
 
 def _from_drawing(file: Path, corner: float) -> ClosedCurve:
@@ -126,28 +107,25 @@ def _from_drawing(file: Path, corner: float) -> ClosedCurve:
         from .dxf import IMPERIAL, drawing_of, opened
     except ImportError as error:
         raise ImportError("drawings need the package ezdxf: pip install 'armside[dxf]'") from error
-    try:
-        document = opened(file)
-        unit = Unit.INCH if document.units in IMPERIAL[:1] else None
-        if not document.units:
-            unit = Unit.MILLIMETRE
-            if document.header.get("$MEASUREMENT", 1) == 0:
-                raise ValueError("it is imperial and has no unit; set its unit ($INSUNITS)")
-        drawing = drawing_of(document, Reading(unit=unit))
-        if left := [note for note in drawing.notes if "paper space" not in note]:
-            raise ValueError(f"it has more than its contour: {'; '.join(left)}")
-        found, _ = join(drawing.entities, JOIN)
-        if len(found) != 1 or not found[0].chain.closed:
-            kinds = [f"{'closed' if c.chain.closed else 'open'} {c.name}" for c in found]
-            raise ValueError(f"a contour is one closed line, it has {', '.join(kinds) or 'none'}")
-        chain = found[0].chain
-        if is_circle(chain):
-            return Circle(1.0 / abs(float(chain.curvature[0])))
-        middle = 0.5 * (chain.points.min(axis=0) + chain.points.max(axis=0))
-        chain = Chain(chain.points - middle, chain.bulge)
-        return as_drawn(chain) if chain.bulge.any() else rounded(chain.points[:-1], corner)
-    except ValueError as error:
-        raise ValueError(f"{file.name}: {error}") from error
+    document = opened(file)
+    unit = Unit.INCH if document.units in IMPERIAL[:1] else None
+    if not document.units:
+        unit = Unit.MILLIMETRE
+        if document.header.get("$MEASUREMENT", 1) == 0:
+            raise ValueError("it is imperial and has no unit; set its unit ($INSUNITS)")
+    drawing = drawing_of(document, Reading(unit=unit))
+    if left := [note for note in drawing.notes if "paper space" not in note]:
+        raise ValueError(f"it has more than its contour: {'; '.join(left)}")
+    found, _ = join(drawing.entities, JOIN)
+    if len(found) != 1 or not found[0].chain.closed:
+        kinds = [f"{'closed' if c.chain.closed else 'open'} {c.name}" for c in found]
+        raise ValueError(f"a contour is one closed line, it has {', '.join(kinds) or 'none'}")
+    chain = found[0].chain
+    if is_circle(chain):
+        return Circle(1.0 / abs(float(chain.curvature[0])))
+    middle = 0.5 * (chain.points.min(axis=0) + chain.points.max(axis=0))
+    chain = Chain(chain.points - middle, chain.bulge)
+    return _as_drawn(chain) if chain.bulge.any() else rounded(chain.points[:-1], corner)
 
 
 def read_contour(file: Path, corner: float | None = None) -> ClosedCurve:
@@ -161,27 +139,24 @@ def read_contour(file: Path, corner: float | None = None) -> ClosedCurve:
         ImportError: a drawing without the package ezdxf.
     """
     kind = file.suffix.lower()
-    if kind == ".toml":
-        return _from_toml(file, corner)
-    if kind == ".dxf":
-        return _from_drawing(file, MM * CORNER if corner is None else corner)
-    raise ValueError(f"{file.name}: a contour is a .toml or a .dxf file")
+    try:
+        if kind == ".toml":
+            return _from_toml(file, corner)
+        if kind == ".dxf":
+            return _from_drawing(file, MM * CORNER if corner is None else corner)
+        raise ValueError("a contour is a .toml or a .dxf file")
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{file.name}: {error}") from error
 
 
 def _from_toml(file: Path, corner: float | None) -> ClosedCurve:
-    try:
-        data = toml_of(file.read_bytes())
-    except ValueError as error:
-        raise ValueError(f"{file.name}: {error}") from error
+    data = toml_of(file.read_bytes())
     if unknown := [name for name in data if name not in ("points", "corner")]:
-        raise ValueError(f"{file.name}: {unknown[0]} is not known here. Known: corner, points")
+        raise ValueError(f"{unknown[0]} is not known here. Known: corner, points")
     if "points" not in data:
-        raise ValueError(f"{file.name}: points are missing")
+        raise ValueError("points are missing")
     own = data.get("corner", CORNER)
     if isinstance(own, bool) or not isinstance(own, (int, float)):
-        raise ValueError(f"{file.name}: corner must be a number [mm], got {own!r}")
-    try:
-        points = MM * np.array(data["points"], dtype=np.float64)
-        return rounded(points, MM * own if corner is None else corner)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{file.name}: {error}") from error
+        raise ValueError(f"corner must be a number [mm], got {own!r}")
+    points = MM * np.array(data["points"], dtype=np.float64)
+    return rounded(points, MM * own if corner is None else corner)

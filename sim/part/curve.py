@@ -68,20 +68,17 @@ class ChainCurve:
         tree, places = self._table
         closest, row = tree.query(p)
         s = best = places[row]
-        for _ in range(STEPS):
-            s = self._within(s + self._step(p, s))
+        for _ in range(STEPS):  # of Newton towards each foot
+            offset, along = p - self.point(s), self.tangent(s)
+            across = along[:, 0] * offset[:, 1] - along[:, 1] * offset[:, 0]
+            # On an arc the foot moves faster or slower than the point, by its distance.
+            stretch = np.maximum(1.0 - self.chain.curvature_at(s) * across, 0.2)
+            step = np.einsum("ij,ij->i", offset, along) / stretch
+            s = self._within(s + np.clip(step, -SPACING, SPACING))
             distance = np.linalg.norm(p - self.point(s), axis=1)
             # Beside a corner the step leads from one side to the other and back.
             best, closest = np.where(distance < closest, (s, distance), (best, closest))
         return best
-
-    def _step(self, p: Array, s: Array) -> Array:
-        """Newton step towards the foot of each of p."""
-        offset, along = p - self.point(s), self.tangent(s)
-        across = along[:, 0] * offset[:, 1] - along[:, 1] * offset[:, 0]
-        # On an arc the foot moves faster or slower than the point, by its distance.
-        stretch = np.maximum(1.0 - self.chain.curvature_at(s) * across, 0.2)
-        return np.clip(np.einsum("ij,ij->i", offset, along) / stretch, -SPACING, SPACING)
 
     def _within(self, s: ArrayLike) -> Array:
         s = np.asarray(s, dtype=np.float64)

@@ -1,14 +1,29 @@
 """Entities of a drawing that can be cut, joined end to end, and options of reading one."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from armside.arrays import Array, check_numbers
 
 from .arcs import MM, Chain, joined, place
+
+if TYPE_CHECKING:
+    import shapely as shapely
+else:
+
+    class _Shapely:
+        """Shapely, of the extra `parts`: imported where it is first used; help needs no extra."""
+
+        def __getattr__(self, name: str) -> Any:
+            return getattr(import_module("shapely"), name)
+
+    shapely = _Shapely()
 
 LARGEST = 20.0
 """Size of a drawing from which its unit is doubted [m]. ESTIMATE"""
@@ -124,37 +139,43 @@ def join(
         return found, ()
     ends = np.array([point for e in loose for point in (e.chain.points[0], e.chain.points[-1])])
     mate = _mates(ends, loose, tolerance)
-    walks = _walks(mate)
-    found += [_joined(walk, closed, loose, ends, mate) for walk, closed in walks]
-    return found, _gaps(ends, loose, mate)
+    gap = np.where(mate < 0, 0.0, np.linalg.norm(ends - ends[mate], axis=1))
+    notes = [
+        f"a gap of {gap[i] / MM:.3g} mm at {place(ends[i])} is closed, {_between(loose, i, j)}"
+        for i, j in sorted(enumerate(mate.tolist()), key=lambda pair: -gap[pair[0]])
+        if i < j and gap[i] > SEEN
+    ]
+    met = np.where(mate[:, np.newaxis] < 0, ends, 0.5 * (ends + ends[mate]))
+    for walk in _walks(mate):
+        chains = []
+        for end in walk:
+            chain = loose[end // 2].chain
+            chain = chain if end % 2 == 0 else chain.reversed
+            points = chain.points.copy()
+            points[0], points[-1] = met[end], met[end ^ 1]
+            chains.append(Chain(points, chain.bulge))
+        names = tuple(loose[end // 2].name for end in walk)
+        found.append(Joined(joined(chains), names, loose[walk[0] // 2].layer))
+    return found, tuple(notes)
 
 
-def _gaps(ends: Array, loose: list[DrawnEntity], mate: list[int]) -> tuple[str, ...]:
-    """Notes of the ends that are moved together, the widest gap first."""
-    pairs = [(i, j) for i, j in enumerate(mate) if i < j]
-    wide = sorted((-float(np.linalg.norm(ends[i] - ends[j])), i, j) for i, j in pairs)
-    return tuple(
-        f"a gap of {-gap / MM:.3g} mm at {place(ends[i])} is closed, between "
-        f"{loose[i // 2].name} and {loose[j // 2].name}"
-        for gap, i, j in wide
-        if -gap > SEEN
-    )
+def _between(loose: list[DrawnEntity], i: int, j: int) -> str:
+    return f"between {loose[i // 2].name} and {loose[j // 2].name}"
 
 
-def _mates(ends: Array, loose: list[DrawnEntity], tolerance: float) -> list[int]:
+def _mates(ends: Array, loose: list[DrawnEntity], tolerance: float) -> NDArray[np.int64]:
     """Index of the end that meets each end, or -1. Ends 2 i and 2 i + 1 are those of entity i."""
     from scipy.spatial import KDTree
 
-    tree = KDTree(ends)
-    mate = [-1] * len(ends)
-    for i, j in sorted(tree.query_pairs(tolerance)):
+    mate = np.full(len(ends), -1)
+    for i, j in sorted(KDTree(ends).query_pairs(tolerance)):
         if mate[i] >= 0 or mate[j] >= 0:
             names = sorted({loose[k // 2].name for k in (i, j, mate[i], mate[j]) if k >= 0})
             raise ValueError(
                 f"more than two ends meet at {place(ends[i])}: those of {', '.join(names)}"
             )
         mate[i], mate[j] = j, i
-    single = np.array([k for k, other in enumerate(mate) if other < 0], dtype=int)
+    single = np.flatnonzero(mate < 0)
     if len(single) > 1:
         apart, nearest = map(np.asarray, KDTree(ends[single]).query(ends[single], k=2))
         worst = int(np.argmin(apart[:, 1]))
@@ -162,46 +183,19 @@ def _mates(ends: Array, loose: list[DrawnEntity], tolerance: float) -> list[int]
         if apart[worst, 1] < NEAR:
             raise ValueError(
                 f"the contour is open by {apart[worst, 1] / MM:.3g} mm at {place(ends[i])}, "
-                f"between {loose[i // 2].name} and {loose[j // 2].name}"
+                f"{_between(loose, i, j)}"
             )
     return mate
 
 
-def _walks(mate: list[int]) -> list[tuple[list[int], bool]]:
-    """First ends of entities in order along each chain, and whether it is closed."""
+def _walks(mate: NDArray[np.int64]) -> Iterator[list[int]]:
+    """First ends of entities in order along each chain."""
     unused = set(range(len(mate) // 2))
-    single = [k for k, other in enumerate(mate) if other < 0]
-    walks = []
-    for first in [*single, *range(0, len(mate), 2)]:
-        if first // 2 not in unused:
-            continue
-        walk, end = [], first
+    for first in [*np.flatnonzero(mate < 0).tolist(), *range(0, len(mate), 2)]:
+        walk, end = list[int](), first
         while end >= 0 and end // 2 in unused:
             unused.remove(end // 2)
             walk.append(end)
-            end = mate[end ^ 1]
-        walks.append((walk, end >= 0))
-    return walks
-
-
-def _joined(
-    walk: list[int], closed: bool, loose: list[DrawnEntity], ends: Array, mate: list[int]
-) -> Joined:
-    chains = []
-    for end in walk:
-        chain = loose[end // 2].chain
-        chain = chain if end % 2 == 0 else chain.reversed
-        points = chain.points.copy()
-        points[0], points[-1] = _met(end, ends, mate), _met(end ^ 1, ends, mate)
-        chains.append(Chain(points, chain.bulge))
-    whole = joined(chains)
-    assert whole.closed or not closed
-    names = tuple(loose[end // 2].name for end in walk)
-    return Joined(whole, names, loose[walk[0] // 2].layer)
-
-
-def _met(end: int, ends: Array, mate: list[int]) -> Array:
-    """Place of an end: halfway to the one that it meets."""
-    if mate[end] < 0:
-        return ends[end]
-    return 0.5 * (ends[min(end, mate[end])] + ends[max(end, mate[end])])
+            end = int(mate[end ^ 1])
+        if walk:
+            yield walk

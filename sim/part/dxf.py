@@ -12,7 +12,7 @@ from ezdxf.math import Matrix44
 
 from armside.arrays import Array
 
-from .arcs import Chain, arc, fitted, line, place, polyline
+from .arcs import Chain, arc, ellipse, fitted, line, place, polyline
 from .drawing import Drawing, DrawnEntity, Reading, Unit
 from .expansion import check_expansion, check_points
 
@@ -26,43 +26,41 @@ INVISIBLE = "what is invisible is not cut"
 
 
 class NotFlatError(ValueError):
-    """The entity is not drawn in the x-y plane."""
+    def __init__(self, label: str = "it") -> None:
+        super().__init__(f"{label} is not drawn in the x-y plane")
 
 
 def _line(entity: Any, scale: float) -> Chain:
     start, end = entity.dxf.start, entity.dxf.end
     _level([start.z, end.z])
-    return line(scale * np.array([start.x, start.y]), scale * np.array([end.x, end.y]))
+    return line(_point(start, scale), _point(end, scale))
 
 
 def _arc(entity: Any, scale: float) -> Chain:
-    first, last = np.radians([entity.dxf.start_angle, entity.dxf.end_angle])
-    angle = np.mod(last - first, 2.0 * np.pi)
-    return _round(entity, scale, first, angle if angle > 1e-9 else 2.0 * np.pi)
-
-
-def _round(entity: Any, scale: float, start: float, angle: float) -> Chain:
-    centre, radius = entity.dxf.center, scale * entity.dxf.radius
+    centre, radius = _point(entity.dxf.center, scale), scale * entity.dxf.radius
     if not radius > 0.0:
-        at = place(scale * np.array([centre.x, centre.y]))
-        raise ValueError(f"its radius is {entity.dxf.radius:g}, at {at}")
-    chain = arc(scale * np.array([centre.x, centre.y]), radius, start, angle)
-    return _seen_from_above(entity, chain)
+        raise ValueError(f"its radius is {entity.dxf.radius:g}, at {place(centre)}")
+    whole = entity.dxftype() == "CIRCLE"
+    ends = (0.0, 0.0) if whole else (entity.dxf.start_angle, entity.dxf.end_angle)
+    first, last = np.radians(ends)
+    return _seen_from_above(entity, arc(centre, radius, first, _turn(first, last)))
+
+
+def _turn(first: float, last: float) -> float:
+    """Counter-clockwise from one angle to another [rad]; a whole turn where they are one."""
+    angle = np.mod(last - first, 2.0 * np.pi)
+    return angle if angle > 1e-9 else 2.0 * np.pi
 
 
 def _ellipse(entity: Any, scale: float) -> Chain:
     tool = entity.construction_tool()
-    major, minor = _flat(tool.major_axis, scale), _flat(tool.minor_axis, scale)
-    centre = scale * np.array([tool.center.x, tool.center.y])
-    first = tool.start_param
-    span = np.mod(tool.end_param - first, 2.0 * np.pi)
-    span = span if span > 1e-9 else 2.0 * np.pi
-
-    def at(t: float) -> tuple[Array, Array]:
-        along = np.cos(t) * minor - np.sin(t) * major
-        return centre + np.cos(t) * major + np.sin(t) * minor, along
-
-    return _exactly_closed(fitted(at, first + span * np.linspace(0.0, 1.0, 5)))
+    for axis in (tool.major_axis, tool.minor_axis):
+        if abs(axis.z) > FLAT * axis.magnitude:
+            raise NotFlatError
+    major, minor = _point(tool.major_axis, scale), _point(tool.minor_axis, scale)
+    span = _turn(tool.start_param, tool.end_param)
+    at = ellipse(_point(tool.center, scale), major, minor)
+    return _exactly_closed(fitted(at, tool.start_param + span * np.linspace(0.0, 1.0, 5)))
 
 
 def _spline(entity: Any, scale: float) -> Chain:
@@ -74,14 +72,9 @@ def _spline(entity: Any, scale: float) -> Chain:
 
     def at(t: float) -> tuple[Array, Array]:
         point, along = next(iter(tool.derivatives([min(max(t, lower), upper)], 1)))
-        return scale * np.array([point.x, point.y]), scale * np.array([along.x, along.y])
+        return _point(point, scale), _point(along, scale)
 
     return _exactly_closed(fitted(at, np.unique(inside)))
-
-
-def _lwpolyline(entity: Any, scale: float) -> Chain:
-    vertices = np.array(entity.get_points("xyb"), dtype=np.float64).reshape(-1, 3)
-    return _polyline_of(entity, vertices, bool(entity.closed), scale)
 
 
 def _polyline(entity: Any, scale: float) -> Chain:
@@ -91,11 +84,11 @@ def _polyline(entity: Any, scale: float) -> Chain:
     present = [v.dxf for v in entity.vertices if not v.dxf.flags & frame]
     _level([v.location.z for v in present])
     rows = [(v.location.x, v.location.y, v.get("bulge", 0.0)) for v in present]
+    return _bulged(entity, rows, bool(entity.is_closed), scale)
+
+
+def _bulged(entity: Any, rows: Any, closed: bool, scale: float) -> Chain:
     vertices = np.array(rows, dtype=np.float64).reshape(-1, 3)
-    return _polyline_of(entity, vertices, bool(entity.is_closed), scale)
-
-
-def _polyline_of(entity: Any, vertices: Array, closed: bool, scale: float) -> Chain:
     if closed and len(vertices) > 1:
         vertices = np.vstack([vertices, vertices[:1]])
     step = np.linalg.norm(np.diff(vertices[:, :2], axis=0), axis=1)
@@ -104,9 +97,8 @@ def _polyline_of(entity: Any, vertices: Array, closed: bool, scale: float) -> Ch
     if present.sum() < 2:
         at = f" at {place(scale * vertices[0, :2])}" if len(vertices) else ": it has no vertex"
         raise ValueError(f"it has zero length{at}")
-    bulge = vertices[:-1, 2][step > 0.0]
     check_points(len(vertices))
-    chain = polyline(scale * vertices[present, :2], bulge)
+    chain = polyline(scale * vertices[present, :2], vertices[:-1, 2][step > 0.0])
     return _seen_from_above(entity, chain)
 
 
@@ -118,9 +110,13 @@ def _seen_from_above(entity: Any, chain: Chain) -> Chain:
     return chain if z > 0.0 else Chain(chain.points * [-1.0, 1.0], -chain.bulge)
 
 
-def _check_normal(entity: Any) -> None:
+def _check_normal(entity: Any, label: str) -> None:
     if entity.dxf.is_supported("extrusion") and not np.any(entity.dxf.get("extrusion", 1.0)):
-        raise NotFlatError
+        raise NotFlatError(label)
+
+
+def _point(vector: Any, scale: float) -> Array:
+    return scale * np.array([vector.x, vector.y])
 
 
 def _level(heights: list[float]) -> None:
@@ -128,26 +124,18 @@ def _level(heights: list[float]) -> None:
         raise NotFlatError
 
 
-def _flat(vector: Any, scale: float) -> Array:
-    if abs(vector.z) > FLAT * vector.magnitude:
-        raise NotFlatError
-    return scale * np.array([vector.x, vector.y])
-
-
 def _exactly_closed(chain: Chain) -> Chain:
     """The chain with its last point on the first, where they differ by rounding."""
-    first, last = chain.points[0], chain.points[-1]
-    apart = np.linalg.norm(last - first) > 1e-9 * chain.length
-    return chain if apart else chain.ending_at_start
+    return chain.ending_at_start(1e-9 * chain.length)
 
 
 READERS: Mapping[str, Callable[[Any, float], Chain]] = {
     "LINE": _line,
     "ARC": _arc,
-    "CIRCLE": lambda entity, scale: _round(entity, scale, 0.0, 2.0 * np.pi),
+    "CIRCLE": _arc,
     "ELLIPSE": _ellipse,
     "SPLINE": _spline,
-    "LWPOLYLINE": _lwpolyline,
+    "LWPOLYLINE": lambda e, scale: _bulged(e, e.get_points("xyb"), bool(e.closed), scale),
     "POLYLINE": _polyline,
 }
 """By type; every other type is refused by name. INSERT is taken apart before."""
@@ -191,13 +179,10 @@ def drawing_of(document: Any, reading: Reading) -> Drawing:
     notes = [
         f"{what}: {n} {'entity' if n == 1 else 'entities'}" for what, n in sorted(left_out.items())
     ]
-    if n := sum(e.dxftype() != "VIEWPORT" for view in document.layouts for e in _of_paper(view)):
+    paper = (e for view in document.layouts if view.is_any_paperspace for e in view)
+    if n := sum(e.dxftype() != "VIEWPORT" for e in paper):
         notes.append(f"{n} entities of paper space are not cut")
     return Drawing(tuple(found), tuple(notes))
-
-
-def _of_paper(layout: Any) -> list[Any]:
-    return list(layout) if layout.is_any_paperspace else []
 
 
 def _read(entity: Any, layer: str, name: str, scale: float) -> DrawnEntity:
@@ -205,11 +190,11 @@ def _read(entity: Any, layer: str, name: str, scale: float) -> DrawnEntity:
     label = f"{name} on layer {layer}"
     if reader is None:
         raise ValueError(f"{label} cannot be cut; choose the layers to cut, or remove it")
+    _check_normal(entity, label)
     try:
-        _check_normal(entity)
         chain = reader(entity, scale)
     except NotFlatError as error:
-        raise ValueError(f"{label} is not drawn in the x-y plane") from error
+        raise NotFlatError(label) from error
     except ValueError as error:
         raise ValueError(f"{label}: {error}") from error
     if not np.isfinite(chain.points).all():
@@ -274,15 +259,11 @@ def _layer_of(entity: Any) -> str:
 
 
 def _parts(insert: Any, layer: str, within: str) -> list[Any]:
-    block = insert.block()
+    block, label = insert.block(), f"block {insert.dxf.name!r}{within} on layer {layer}"
     if block is None or block.block.is_xref:
         what = "is not in the file" if block is None else "is another file (XREF)"
-        raise ValueError(f"block {insert.dxf.name!r}{within} on layer {layer} {what}")
-    try:
-        _check_normal(insert)
-    except NotFlatError as error:
-        what = "is not drawn in the x-y plane"
-        raise ValueError(f"block {insert.dxf.name!r}{within} on layer {layer} {what}") from error
+        raise ValueError(f"{label} {what}")
+    _check_normal(insert, label)
     return list(block)
 
 
@@ -290,10 +271,7 @@ def _moved(entity: Any, matrix: Matrix44 | None, label: str) -> list[Any]:
     """Copies of an entity in the world; itself where it cannot be cut."""
     if matrix is None or entity.dxftype() not in READERS:
         return [entity]
-    try:
-        _check_normal(entity)
-    except NotFlatError as error:
-        raise ValueError(f"{label} is not drawn in the x-y plane") from error
+    _check_normal(entity, label)
     log, copies = transform.copies([entity], matrix)
     if not copies or len(log):
         raise ValueError(f"{label} cannot be moved with its block; take the block apart")

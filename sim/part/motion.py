@@ -1,6 +1,6 @@
 """Motion of the tool over a whole part: rapid moves and cuts, one after the other, in time."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -8,13 +8,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
+from armside.ilc.workbench.task import along_path
 
 from ..motion.contour import ClosedCurve
 from ..motion.path import Plane
 from ..motion.timing import Timing
-from ..motion.tool_motion import LimitHit
+from ..motion.tool_motion import LimitHit, ToolMotion
 from .arcs import Chain
 from .curve import Kind, centred
+
+SAME = 1e-9
+"""[m], rounding of two plans of the same path."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,9 +68,14 @@ class CutLeg(Leg):
     @cached_property
     def contour_time(self) -> tuple[float, float]:
         """Start and end of the contour [s], without leads."""
-        ends = np.array([self.lead, self.path.length - self.lead])
-        first, last = self.start + _time_at(self.timing, ends)
-        return float(first), float(last)
+        s = np.array([self.lead, self.path.length - self.lead])
+        low, high = np.zeros_like(s), np.full_like(s, self.timing.duration)
+        for _ in range(60):  # of bisection
+            middle = 0.5 * (low + high)
+            before = self.timing.at(middle)[0] < s
+            low, high = np.where(before, middle, low), np.where(before, high, middle)
+        first, last = (self.start + high).tolist()
+        return first, last
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,23 +180,14 @@ class PartMotion:
     @cached_property
     def places(self) -> tuple[ContourPlace, ...]:
         """Contours of the cuts, in their order."""
-        return tuple(self._place(cut) for cut in self.cuts)
+        return tuple(self._places())
 
-    def _place(self, cut: CutLeg) -> ContourPlace:
-        curve, middle = centred(cut.turn)
-        plane = Plane(self.to_base(middle), self.plane.axes)
-        span, closed = cut.contour_time, cut.turn.closed
-        return ContourPlace(plane=plane, curve=curve, contour_time=span, closed=closed)
-
-
-def _time_at(timing: Timing, s: Array) -> Array:
-    """Times [s] from the start of a timing at which it is at arc lengths s [m]: bisection."""
-    low, high = np.zeros_like(s), np.full_like(s, timing.duration)
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        before = timing.at(middle)[0] < s
-        low, high = np.where(before, middle, low), np.where(before, high, middle)
-    return high
+    def _places(self) -> Iterator[ContourPlace]:
+        for cut in self.cuts:
+            curve, middle = centred(cut.turn)
+            plane = Plane(self.to_base(middle), self.plane.axes)
+            span, closed = cut.contour_time, cut.turn.closed
+            yield ContourPlace(plane=plane, curve=curve, contour_time=span, closed=closed)
 
 
 def on_grid(time: float, step: float) -> float:
@@ -198,3 +198,39 @@ def on_grid(time: float, step: float) -> float:
 def samples_until(legs: Sequence[Leg], rest_after: float, step: float) -> int:
     """Samples from 0 to the rest after the last leg."""
     return int(np.ceil((legs[-1].end + rest_after) / step - 1e-9)) + 1
+
+
+Motion = ToolMotion | PartMotion
+
+
+def carried(correction: Array, before: Motion, motion: Motion, *, anywhere: bool = False) -> Array:
+    """The correction (N, n) that was learned along `before`, for `motion`: (M, n).
+
+    The same samples where both are timed alike, otherwise by the place on the path.
+    anywhere: the path may lie elsewhere, as that of another robot does.
+
+    Raises ValueError where they follow different paths.
+    """
+    if not follows(before, motion, anywhere=anywhere):
+        which = "contour" if anywhere else "tool path"
+        raise ValueError(f"its {which} is another one, and a correction belongs to its path")
+    if len(correction) == len(motion.time) and np.array_equal(before.position, motion.position):
+        return correction
+    # Leads that are longer at a higher speed go on along the contour.
+    return along_path(correction, before.arc_length, motion.arc_length)
+
+
+def follows(before: Motion, motion: Motion, *, anywhere: bool = False) -> bool:
+    """Whether two motions follow the same path with the same orientation of the tool.
+
+    anywhere: the same contours, wherever they lie.
+    """
+
+    def of(m: Motion) -> list[Array]:
+        return [*m.outline, *([] if anywhere else [m.plane.origin, m.plane.axes])]
+
+    pairs = list(zip(of(before), of(motion), strict=False))
+    same = len(before.outline) == len(motion.outline) and all(
+        a.shape == b.shape and np.allclose(a, b, rtol=0, atol=SAME) for a, b in pairs
+    )
+    return same and (anywhere or bool(np.allclose(before.quaternion[0], motion.quaternion[0])))

@@ -4,8 +4,6 @@ Contours of one depth are visited from the nearest to the next (nearest neighbou
 moves are exchanged (2-opt) and single contours moved (or-opt) while that shortens the way.
 """
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,33 +27,27 @@ def order(entry: Array, leave: Array, depth: list[int], start: Array) -> list[in
     at = start
     for level in sorted(set(depth), reverse=True):
         members = np.flatnonzero(np.array(depth) == level)
-        tour = _nearest(entry[members], leave[members], at)
-        tour = _improved(tour, entry[members], leave[members], at)
-        found += members[tour].tolist()
+        # D[i, j]: from the end of i to the begin of j; the last row is the start.
+        ends = np.vstack([leave[members], at])
+        D = np.linalg.norm(ends[:, np.newaxis] - entry[members], axis=2)
+        found += members[_improved(_nearest(D), D)].tolist()
         at = leave[found[-1]]
     return found
 
 
-def _nearest(entry: Array, leave: Array, start: Array) -> NDArray[np.int64]:
-    tour, at = np.zeros(len(entry), dtype=np.int64), start
-    free = np.ones(len(entry), dtype=bool)
-    for k in range(len(entry)):
-        distance = np.where(free, np.linalg.norm(entry - at, axis=1), np.inf)
-        tour[k] = np.argmin(distance)
-        free[tour[k]] = False
-        at = leave[tour[k]]
+def _nearest(D: Array) -> NDArray[np.int64]:
+    n = D.shape[1]
+    tour, free, at = np.zeros(n, dtype=np.int64), np.ones(n, dtype=bool), -1
+    for k in range(n):
+        tour[k] = at = int(np.argmin(np.where(free, D[at], np.inf)))
+        free[at] = False
     return tour
 
 
-def _improved(
-    tour: NDArray[np.int64], entry: Array, leave: Array, start: Array
-) -> NDArray[np.int64]:
-    # D[i, j]: from the end of i to the begin of j; the last row is the start.
-    D = np.linalg.norm(np.vstack([leave, start])[:, np.newaxis] - entry, axis=2)
+def _improved(tour: NDArray[np.int64], D: Array) -> NDArray[np.int64]:
     for _ in range(PASSES):
         before = _length(tour, D)
-        for move in (_exchange, _shift):
-            tour = move(tour, D)
+        tour = _shift(_exchange(tour, D), D)
         if _length(tour, D) > before * (1.0 - LITTLE) - GAIN:
             break
     return tour
@@ -85,7 +77,7 @@ def _exchange(tour: NDArray[np.int64], D: Array) -> NDArray[np.int64]:
 
 def _shift(tour: NDArray[np.int64], D: Array) -> NDArray[np.int64]:
     """Put stretches of one to three contours elsewhere."""
-    for size, i in _stretches(len(tour)):
+    for size, i in [(n, i) for n in (1, 2, 3) for i in range(len(tour) - n)]:
         stretch, rest = tour[i : i + size], np.delete(tour, slice(i, i + size))
         before, after = np.concatenate([[-1], rest]), np.concatenate([rest, [-1]])
         closing = np.where(np.arange(len(after)) == len(rest), 0.0, 1.0)
@@ -94,8 +86,3 @@ def _shift(tour: NDArray[np.int64], D: Array) -> NDArray[np.int64]:
         if gain[best] < gain[i] - GAIN:
             tour = np.concatenate([rest[:best], stretch, rest[best:]])
     return tour
-
-
-def _stretches(n: int) -> Iterator[tuple[int, int]]:
-    for size in (1, 2, 3):
-        yield from ((size, i) for i in range(n - size)) if n > size else ()

@@ -1,9 +1,9 @@
 """A part read from a drawing: its outline, holes and open cuts, told apart and checked."""
 
+import re
 from collections import Counter
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +15,7 @@ from ..motion.contour import ArcsAndLines
 from .arcs import MM, Chain, place
 from .contour_file import read_contour
 from .curve import Kind
-from .drawing import Drawing, DrawnEntity, Joined, Reading, check_size, join
-from .geometry import shapely
+from .drawing import Drawing, DrawnEntity, Joined, Reading, check_size, join, shapely
 
 SAGITTA = 2e-6
 """Of the polygons that contours are compared by [m]."""
@@ -63,19 +62,25 @@ def part_of(chains: list[Joined], notes: tuple[str, ...] = ()) -> Part:
     """
     if not chains:
         raise ValueError("there is nothing to cut")
-    closed = [c for c in chains if c.chain.closed]
-    if not closed:
-        raise ValueError(f"no contour is closed; {_open_at(chains[0])}")
+    around = [i for i, each in enumerate(chains) if each.chain.closed]
+    if not around:
+        first, last = chains[0].chain.points[[0, -1]]
+        ends = (
+            f"{np.linalg.norm(last - first) / MM:.4g} mm apart at {place(first)} and {place(last)}"
+        )
+        raise ValueError(f"no contour is closed; {chains[0].name} ends {ends}")
     lines = [shapely.LineString(c.chain.polygon(SAGITTA)) for c in chains]
     for chain, drawn in zip(chains, lines, strict=True):
-        _check_simple(chain, drawn)
+        if not shapely.is_simple(drawn):
+            raise ValueError(f"{chain.name} crosses itself{_crossing(drawn, chain.chain.closed)}")
     _check_apart(chains, lines)
-    areas = [
-        shapely.Polygon(drawn) if chain.chain.closed else None
-        for chain, drawn in zip(chains, lines, strict=True)
-    ]
-    depth = _depths(lines, areas)
-    outer = int(np.argmax([0.0 if area is None else area.area for area in areas]))
+    areas = [shapely.Polygon(lines[i]) for i in around]
+    # Number of closed contours around each.
+    inside, container = shapely.STRtree(areas).query(lines, predicate="within")
+    others = inside[np.array(around)[container] != inside]
+    depth = np.bincount(others, minlength=len(lines)).tolist()
+    outer = around[int(np.argmax([area.area for area in areas]))]
+    contours, seen = list[PartContour](), Counter[str]()
     for i, (chain, level) in enumerate(zip(chains, depth, strict=True)):
         if i != outer and level == 0:
             at = place(chain.chain.point(0.0))
@@ -83,74 +88,41 @@ def part_of(chains: list[Joined], notes: tuple[str, ...] = ()) -> Part:
                 f"{chain.name} at {at} lies outside the outline, {chains[outer].name}; "
                 "a drawing has one part"
             )
-    named = zip(chains, _different([chain.name for chain in chains]), depth, strict=True)
-    return Part(tuple(_contour(*each) for each in named), notes)
+        kind, drawn = Kind.OPEN, chain.chain
+        if drawn.closed:
+            kind = Kind.HOLE if level % 2 else Kind.OUTLINE
+            drawn = drawn if drawn.area > 0.0 else drawn.reversed
+        seen[chain.name] += 1  # names repeat, such as those of the entities of one block
+        n = seen[chain.name]
+        name = chain.name if n == 1 else f"{chain.name} ({n})"
+        contours.append(
+            PartContour(kind=kind, chain=drawn, name=name, layer=chain.layer, depth=level)
+        )
+    return Part(tuple(contours), notes)
 
 
-def _different(names: list[str]) -> list[str]:
-    """Names with a number where they repeat, such as those of the entities of one block."""
-    seen, found = Counter[str](), list[str]()
-    for name in names:
-        seen[name] += 1
-        found.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
-    return found
-
-
-def _contour(chain: Joined, name: str, depth: int) -> PartContour:
-    kind, drawn = Kind.OPEN, chain.chain
-    if drawn.closed:
-        kind = Kind.HOLE if depth % 2 else Kind.OUTLINE
-        drawn = drawn if drawn.area > 0.0 else drawn.reversed
-    return PartContour(kind=kind, chain=drawn, name=name, layer=chain.layer, depth=depth)
-
-
-def _check_simple(chain: Joined, drawn: Any) -> None:
-    if shapely.is_simple(drawn):
-        return
-    reason = str(shapely.is_valid_reason(shapely.Polygon(drawn))) if chain.chain.closed else ""
-    at = reason[reason.find("[") + 1 : -1].split() if "[" in reason else []
-    where = f" at {place([float(v) for v in at])}" if len(at) == 2 else _own_crossing(drawn)
-    raise ValueError(f"{chain.name} crosses itself{where}")
-
-
-def _own_crossing(drawn: Any) -> str:
-    """Place where an open line meets itself: a node of its own noding that it passes twice."""
-    parts = list(shapely.node(drawn).geoms)
-    inner = {tuple(drawn.coords[0]), tuple(drawn.coords[-1])}
-    for one, _ in pairwise(parts):
-        if tuple(one.coords[-1]) not in inner:
-            return f" at {place(one.coords[-1])}"
-    return ""
+def _crossing(drawn: Any, closed: bool) -> str:
+    """Place where a line meets itself: a node of its own noding that it passes twice."""
+    reason = str(shapely.is_valid_reason(shapely.Polygon(drawn))) if closed else ""
+    if found := re.search(r"\[(\S+) (\S+)\]$", reason):
+        return f" at {place([float(value) for value in found.groups()])}"
+    ends = {tuple(drawn.coords[0]), tuple(drawn.coords[-1])}
+    nodes = (part.coords[-1] for part in list(shapely.node(drawn).geoms)[:-1])
+    return next((f" at {place(node)}" for node in nodes if tuple(node) not in ends), "")
 
 
 def _check_apart(chains: list[Joined], lines: list[Any]) -> None:
-    tree = shapely.STRtree(lines)
-    pairs = tree.query(lines, predicate="dwithin", distance=TWICE).T
+    pairs = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=TWICE).T
     for i, j in pairs[pairs[:, 0] < pairs[:, 1]]:
-        common = lines[i].intersection(lines[j])
+        both, common = f"{chains[i].name} and {chains[j].name}", lines[i].intersection(lines[j])
         if common.is_empty:
             between = shapely.shortest_line(lines[i], lines[j])
             at = place(shapely.get_coordinates(between)[0])
             apart = f"{shapely.length(between) / MM:.2g} mm apart at {at}"
-            raise ValueError(f"{chains[i].name} and {chains[j].name} are {apart}: drawn twice?")
+            raise ValueError(f"{both} are {apart}: drawn twice?")
         at = place(shapely.get_coordinates(common)[0])
         how = "lie on each other" if common.length > 10 * SAGITTA else "cross or touch"
-        raise ValueError(f"{chains[i].name} and {chains[j].name} {how} at {at}")
-
-
-def _depths(lines: list[Any], areas: list[Any]) -> list[int]:
-    """Number of closed contours around each."""
-    around = [i for i, area in enumerate(areas) if area is not None]
-    tree = shapely.STRtree([areas[i] for i in around])
-    inside, container = tree.query(lines, predicate="within")
-    counted = np.array(around)[container] != inside
-    return np.bincount(inside[counted], minlength=len(lines)).tolist()
-
-
-def _open_at(chain: Joined) -> str:
-    first, last = chain.chain.points[[0, -1]]
-    gap = np.linalg.norm(last - first) / MM
-    return f"{chain.name} ends {gap:.4g} mm apart at {place(first)} and {place(last)}"
+        raise ValueError(f"{both} {how} at {at}")
 
 
 def read_part(file: Path, reading: Reading | None = None) -> Part:
@@ -176,31 +148,23 @@ def read_part(file: Path, reading: Reading | None = None) -> Part:
 
 
 def _drawing(file: Path, reading: Reading) -> Drawing:
-    kind = file.suffix.lower()
-    if kind == ".dxf":
-        from .dxf import read_dxf
+    match file.suffix.lower():
+        case ".dxf":
+            from .dxf import read_dxf
 
-        return read_dxf(file, reading)
-    if kind == ".svg":
-        from .svg import read_svg
+            return read_dxf(file, reading)
+        case ".svg":
+            from .svg import read_svg
 
-        return read_svg(file, reading)
-    if kind == ".toml":
-        return _from_toml(file, reading)
+            return read_svg(file, reading)
+        case ".toml":
+            if reading.layers:
+                raise ValueError("a contour in TOML has no layers")
+            curve = read_contour(file)
+            assert isinstance(curve, ArcsAndLines)
+            lengths, curvature = np.array(curve.elements).T
+            ends = np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
+            points = np.vstack([curve.point(ends), curve.point(0.0)])
+            chain = Chain(points, np.tan(lengths * curvature / 4.0))
+            return Drawing((DrawnEntity(chain, "points", ""),))
     raise ValueError("a part is a .dxf, .svg or .toml file")
-
-
-def _from_toml(file: Path, reading: Reading) -> Drawing:
-    if reading.layers:
-        raise ValueError("a contour in TOML has no layers")
-    curve = read_contour(file)
-    assert isinstance(curve, ArcsAndLines)
-    return Drawing((DrawnEntity(chain_of(curve), "points", ""),))
-
-
-def chain_of(curve: ArcsAndLines) -> Chain:
-    """Chain of a contour of arcs and lines."""
-    lengths, curvature = np.array(curve.elements).T
-    ends = np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
-    points = np.vstack([curve.point(ends), curve.point(0.0)])
-    return Chain(points, np.tan(lengths * curvature / 4.0))

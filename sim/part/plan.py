@@ -14,7 +14,7 @@ from ..motion.timing import PathLimits, rest_to_rest
 from .arcs import MM, Chain, place
 from .beam_path import CORNER, SMOOTH, Led, compensated, led, meets, smooth
 from .curve import Kind
-from .geometry import shapely
+from .drawing import shapely
 from .order import order
 from .part import Part, PartContour
 
@@ -123,19 +123,25 @@ def plan(part: Part, cutting: Cutting | None = None, joints: JointsAlong | None 
     speeds = _profiles([found.path for found in led_paths], cutting, joints)
     cuts = []
     for i, begin in zip(sequence, begins, strict=True):
-        found, contour = led_paths[i], part.contours[i]
-        _check_moving(contour, found.path, speeds[i])
+        (path, lead), contour = led_paths[i], part.contours[i]
+        if len(speeds[i].rests):  # the tool would all but rest within a cut for no limit's sake
+            at = float(speeds[i].rests[0])
+            raise ValueError(
+                f"{contour.name}: no speeds found that keep it moving at {place(path.point(at))}, "
+                f"{at / MM:.1f} mm along the path; try another speed or a larger corner"
+            )
         rapid = float(np.linalg.norm(entry[i] - begin))
+        moves = rest_to_rest(rapid, cutting.rapid, cutting.limits) if rapid >= 1e-9 else None
         cuts.append(
             PlannedCut(
                 contour=contour,
-                path=found.path,
-                lead=found.lead,
+                path=path,
+                lead=lead,
                 corners=int(np.sum(np.abs(contour.chain.kinks) > SMOOTH)),
                 profile=speeds[i],
-                joints=tuple(_joints(contour, found, cutting)),
+                joints=tuple(_joints(contour, path.length, lead, cutting)),
                 rapid=rapid,
-                rapid_seconds=_rapid_seconds(rapid, cutting),
+                rapid_seconds=moves.duration if moves else 0.0,
             )
         )
     return Plan(part, cutting, tuple(cuts))
@@ -178,70 +184,38 @@ def _named(contour: PartContour) -> Iterator[None]:
         raise ValueError(f"{contour.name}: {error}") from error
 
 
-def _check_moving(contour: PartContour, path: Chain, profile: Profile) -> None:
-    """Raises ValueError where the tool would all but rest within a cut for no limit's sake."""
-    if len(profile.rests):
-        at = float(profile.rests[0])
-        raise ValueError(
-            f"{contour.name}: no speeds found that keep it moving at {place(path.point(at))}, "
-            f"{at / MM:.1f} mm along the path; try another speed or a larger corner"
-        )
-
-
 def _profiles(
     paths: Sequence[Chain], cutting: Cutting, joints: JointsAlong | None
 ) -> list[Profile]:
     """Speed profiles, one for all paths of the same elements that no joint limits."""
-    known, found = dict[bytes, Profile](), list[Profile]()
+    known, keys = dict[int | bytes, Profile](), list[int | bytes]()
     for begin in range(0, len(paths), TOGETHER):
         some = paths[begin : begin + TOGETHER]
+        free, limited = dict[int | bytes, Bends](), dict[int | bytes, Bends]()
         bounds = [None] * len(some) if joints is None else joints(some)
-        found += _of_some(some, bounds, cutting, known)
-    return found
+        for path, bound in zip(some, bounds, strict=True):
+            elements = np.column_stack([path.lengths, path.curvature])
+            keys.append(np.round(elements, 9).tobytes() if bound is None else len(keys))
+            if keys[-1] not in known:
+                (free if bound is None else limited)[keys[-1]] = Bends(*elements.T, bounds=bound)
+        new = free | limited
+        made = profiles(list(new.values()), cutting.speed, cutting.limits)
+        known |= zip(new, made, strict=True)
+    return [known[key] for key in keys]
 
 
-def _of_some(
-    paths: Sequence[Chain],
-    bounds: Sequence[BoundsAt | None],
-    cutting: Cutting,
-    known: dict[bytes, Profile],
-) -> list[Profile]:
-    """Profiles of paths. known: by elements, of paths that no joint limits; new ones are added."""
-    elements = [np.column_stack([path.lengths, path.curvature]) for path in paths]
-    keys = [np.round(each, 9).tobytes() for each in elements]
-    free = {key: Bends(*each.T) for key, each in zip(keys, elements, strict=True)}
-    new = [key for key, bound in zip(keys, bounds, strict=True) if bound is None]
-    new = [key for key in dict.fromkeys(new) if key not in known]
-    limited = [
-        Bends(*each.T, bounds=bound)
-        for each, bound in zip(elements, bounds, strict=True)
-        if bound is not None
-    ]
-    made = profiles([*(free[key] for key in new), *limited], cutting.speed, cutting.limits)
-    known |= dict(zip(new, made, strict=False))
-    of_limited = iter(made[len(new) :])
-    return [
-        known[key] if bound is None else next(of_limited)
-        for key, bound in zip(keys, bounds, strict=True)
-    ]
-
-
-def _joints(contour: PartContour, found: Led, cutting: Cutting) -> Iterator[tuple[float, float]]:
+def _joints(
+    contour: PartContour, length: float, lead: float, cutting: Cutting
+) -> Iterator[tuple[float, float]]:
     """Micro-joints, evenly along the outline and half a distance from its start."""
     if contour.kind is not Kind.OUTLINE or not cutting.joints:
         return
-    turn = found.path.length - 2.0 * found.lead
+    turn = length - 2.0 * lead
     if cutting.joints * cutting.joint_width > 0.5 * turn:
         raise ValueError(f"{contour.name} is too short for {cutting.joints} micro-joints")
     for middle in turn * (np.arange(cutting.joints) + 0.5) / cutting.joints:
-        at = float(found.lead + middle)
+        at = float(lead + middle)
         yield at - 0.5 * cutting.joint_width, at + 0.5 * cutting.joint_width
-
-
-def _rapid_seconds(length: float, cutting: Cutting) -> float:
-    if length < 1e-9:
-        return 0.0
-    return rest_to_rest(length, cutting.rapid, cutting.limits).duration
 
 
 def rapid_moves(found: Plan) -> Array:

@@ -20,9 +20,9 @@ import svgelements
 
 from armside.arrays import Array
 
-from .arcs import MM, Chain, arc, fitted, joined, line, place
+from .arcs import MM, Chain, arc, ellipse, fitted, joined, line, place
 from .drawing import Drawing, DrawnEntity, Reading, Unit
-from .svg_shape import Size, fitted_in, length, viewbox
+from .svg_shape import Size, fitted_in, length, shape, viewbox
 from .svg_tree import INKSCAPE, SVG, UNSEEN, Clip, Document, Leaf
 
 ROUND = 1e-9
@@ -42,54 +42,43 @@ EDITORS = (INKSCAPE, "{http://sodipodi.sourceforge.net/DTD/sodipodi-0.dtd}")
 def chains(path: Any, matrix: Array) -> Iterator[Chain]:
     """A chain [m] for each part of a path; `matrix` (3, 3) from its coordinates to metres."""
     pieces: list[Chain] = []
-    for segment in path:
-        if isinstance(segment, svgelements.Move):
-            if pieces:
-                yield _whole(pieces)
+    for segment in [*path, svgelements.Move()]:
+        moves = isinstance(segment, svgelements.Move)
+        if not moves and (chain := _chain(segment, matrix)) is not None:
+            pieces.append(chain)
+        if pieces and (moves or isinstance(segment, svgelements.Close)):
+            # One piece; its end is exactly its start where they differ by rounding.
+            whole = joined(pieces)
+            yield whole.ending_at_start(1e-9 * max(1.0, float(np.abs(whole.points).max())))
             pieces = []
-            continue
-        chain = _chain(segment, matrix)
-        if chain is not None:
-            pieces.append(_from_end(pieces, chain))
-        if isinstance(segment, svgelements.Close):
-            if pieces:
-                yield _whole(pieces)
-            pieces = []
-    if pieces:
-        yield _whole(pieces)
 
 
 def _chain(segment: Any, matrix: Array) -> Chain | None:
     """One segment; None for one of zero length, as drawing programs leave them."""
-    start, end = _point(segment.start, matrix), _point(segment.end, matrix)
-    if isinstance(segment, svgelements.Arc) and segment.rx * segment.ry != 0.0:
-        return _arc(segment, matrix)
-    if isinstance(segment, svgelements.Line | svgelements.Close | svgelements.Arc):
-        return None if np.abs(end - start).max() < ZERO else line(start, end)
-    if isinstance(segment, svgelements.QuadraticBezier):
-        control = _point(segment.control, matrix)
-        return _bezier(np.array([start, control, end]))
-    if isinstance(segment, svgelements.CubicBezier):
-        controls = [_point(segment.control1, matrix), _point(segment.control2, matrix)]
-        return _bezier(np.array([start, *controls, end]))
-    raise ValueError(f"{type(segment).__name__} is not known here")
+    ends = [segment.start, segment.end]
+    match segment:
+        case svgelements.Arc() if segment.rx * segment.ry != 0.0:
+            return _arc(segment, matrix)
+        case svgelements.QuadraticBezier():
+            ends.insert(1, segment.control)
+        case svgelements.CubicBezier():
+            ends[1:1] = segment.control1, segment.control2
+    points = np.array([_point(end, matrix) for end in ends])
+    if len(points) > 2:
+        return _bezier(points) if np.ptp(points, axis=0).any() else None
+    return line(*points) if np.ptp(points, axis=0).max() >= ZERO else None
 
 
-def _bezier(control: Array) -> Chain | None:
-    if not np.ptp(control, axis=0).any():
-        return None
+def _bezier(control: Array) -> Chain:
     n = len(control) - 1
     first, step = np.poly1d([1.0, 0.0]), np.poly1d([-1.0, 1.0])
     basis = [comb(n, k) * first**k * step ** (n - k) for k in range(n + 1)]
     slopes = [polynomial.deriv() for polynomial in basis]
 
-    def at(t: float) -> tuple[Array, Array]:
-        return (
-            np.array([b(t) for b in basis]) @ control,
-            np.array([b(t) for b in slopes]) @ control,
-        )
+    def of(polynomials: list[Any], t: float) -> Array:
+        return np.array([b(t) for b in polynomials]) @ control
 
-    return fitted(at, [0.0, 1.0])
+    return fitted(lambda t: (of(basis, t), of(slopes, t)), [0.0, 1.0])
 
 
 def _arc(segment: Any, matrix: Array) -> Chain | None:
@@ -105,27 +94,9 @@ def _arc(segment: Any, matrix: Array) -> Chain | None:
         angle = np.arctan2(first[1], first[0]) + turn * begin
         return arc(centre, float(a), float(angle), float(turn * sweep))
 
-    def at(t: float) -> tuple[Array, Array]:
-        direction = np.sign(sweep) * (np.cos(t) * second - np.sin(t) * first)
-        return centre + np.cos(t) * first + np.sin(t) * second, direction
-
     parts = max(1, int(np.ceil(abs(sweep) / (np.pi / 2))))
-    return fitted(at, (begin + sweep * np.linspace(0.0, 1.0, parts + 1)))
-
-
-def _from_end(pieces: list[Chain], chain: Chain) -> Chain:
-    """The chain from the exact end of the one before."""
-    if not pieces:
-        return chain
-    return Chain(np.vstack([pieces[-1].points[-1:], chain.points[1:]]), chain.bulge)
-
-
-def _whole(pieces: list[Chain]) -> Chain:
-    """Pieces in one; its end is exactly its start where they differ by rounding."""
-    whole = joined(pieces)
-    first, last = whole.points[0], whole.points[-1]
-    near = np.linalg.norm(last - first) < 1e-9 * max(1.0, float(np.abs(whole.points).max()))
-    return whole.ending_at_start if near else whole
+    at = ellipse(centre, first, second, np.sign(sweep))
+    return fitted(at, begin + sweep * np.linspace(0.0, 1.0, parts + 1))
 
 
 def _point(point: Any, matrix: Array) -> Array:
@@ -155,18 +126,19 @@ def read_svg(file: Path, reading: Reading) -> Drawing:
             if not leaf.tag.startswith(EDITORS):
                 left_out[f"elements of namespace {leaf.tag[1:].split('}')[0]}"] += 1
             continue
-        layers.add(leaf.layer)
-        if not reading.chooses(leaf.layer):
-            left_out[f"layer {leaf.layer or '(none)'}: elements"] += 1
-        elif leaf.hidden:
-            left_out[leaf.hidden] += 1
+        layers.add(layer := leaf.at.layer)
+        if not reading.chooses(layer):
+            left_out[f"layer {layer or '(none)'}: elements"] += 1
+        elif leaf.at.hidden:
+            left_out[leaf.at.hidden] += 1
         elif not (drawn := _drawn(leaf, reading.join)):
             left_out[UNSEEN] += 1
-        elif is_background(leaf, drawn, paper):
+        elif _is_background(leaf, drawn, paper):
             notes.append(f"{leaf.name} fills the page: its background, which is not cut")
         else:
-            found += [DrawnEntity(chain, leaf.name, leaf.layer) for chain in drawn]
-            left_out["markers"] += leaf.marked
+            found += [DrawnEntity(chain, leaf.name, layer) for chain in drawn]
+            markers = [v for name, v in leaf.at.style.items() if name.startswith("marker")]
+            left_out["markers"] += not {*markers} <= {"none", ""}
             over += any(_out_of(paper, chain) is not None for chain in drawn)
     reading.check_layers(sorted(layers - {""}))
     if over:
@@ -177,22 +149,23 @@ def read_svg(file: Path, reading: Reading) -> Drawing:
 
 def _drawn(leaf: Leaf, near: float) -> list[Chain]:
     """Chains of a shape, none of one that does not show. near: of ends that will be joined [m]."""
-    label = f"{leaf.name} on layer {leaf.layer or '(none)'}"
-    if leaf.trouble:
-        raise ValueError(f"{label}: {leaf.trouble}".replace(": it ", " ", 1))
+    label, at = f"{leaf.name} on layer {leaf.at.layer or '(none)'}", leaf.at
+    if at.trouble:
+        raise ValueError(f"{label}: {at.trouble}".replace(": it ", " ", 1))
+    if not (leaf.filled or leaf.stroked):
+        return []
     try:
-        if not (leaf.filled or leaf.stroked):
-            return []
-        path, scale = leaf.path, np.linalg.svd(leaf.matrix[:2, :2], compute_uv=False)
+        path = shape(leaf.tag, leaf.element, at.matrix, at.viewport)
+        scale = np.linalg.svd(at.matrix[:2, :2], compute_uv=False)
         if scale[1] <= ROUND * scale[0]:
             raise ValueError("its transform leaves no area of it")
-        found = list(chains(path, leaf.matrix))
+        found = list(chains(path, at.matrix))
         if not found and (ends := [segment.end for segment in path if segment.end is not None]):
-            raise ValueError(f"it has zero length at {place(_point(ends[0], leaf.matrix))}")
+            raise ValueError(f"it has zero length at {place(_point(ends[0], at.matrix))}")
         for chain in found:
-            for clip in leaf.clips:
-                if (at := _out_of(clip, chain)) is not None:
-                    raise ValueError(f"{clip[2]} clips it at {place(at)}")
+            for clip in at.clips:
+                if (out := _out_of(clip, chain)) is not None:
+                    raise ValueError(f"{clip[2]} clips it at {place(out)}")
             gap = float(np.linalg.norm(chain.points[-1] - chain.points[0]))
             if not leaf.stroked and gap > near and len(chain.bulge) > 1:
                 raise ValueError(
@@ -201,26 +174,28 @@ def _drawn(leaf: Leaf, near: float) -> list[Chain]:
                 )
     except ValueError as error:
         raise ValueError(f"{label}: {error}") from error
-    lone = [] if leaf.stroked else [c for c in found if len(c.bulge) == 1]  # a fill of no area
-    return [chain for chain in found if chain not in lone]
+    return [c for c in found if leaf.stroked or len(c.bulge) > 1]  # one element has no fill
 
 
 def _out_of(clip: Clip, chain: Chain) -> Array | None:
     """A point of a chain outside of a viewport [m]."""
-    matrix, size, _ = clip
-    points = chain.polygon()
-    inside = (points - matrix[:2, 2]) @ np.linalg.inv(matrix[:2, :2]).T
-    near = EDGE * max(size)
-    out = ((inside < -near) | (inside > np.array(size) + near)).any(axis=1)
+    points, size = chain.polygon(), np.array(clip[1])
+    inside, near = _within(clip, points), EDGE * size.max()
+    out = ((inside < -near) | (inside > size + near)).any(axis=1)
     return points[int(out.argmax())] if out.any() else None
 
 
-def is_background(leaf: Leaf, drawn: list[Chain], paper: Clip) -> bool:
+def _within(clip: Clip, points: Array) -> Array:
+    """Points (N, 2) [m] in the coordinates of a viewport."""
+    matrix = clip[0]
+    return (points - matrix[:2, 2]) @ np.linalg.inv(matrix[:2, :2]).T
+
+
+def _is_background(leaf: Leaf, drawn: list[Chain], paper: Clip) -> bool:
     """A filled rectangle without stroke that covers the page."""
     if leaf.stroked or len(drawn) != 1 or not drawn[0].closed or drawn[0].bulge.any():
         return False
-    matrix, size, _ = paper
-    inside = (drawn[0].points - matrix[:2, 2]) @ np.linalg.inv(matrix[:2, :2]).T
+    inside, size = _within(paper, drawn[0].points), paper[1]
     near = PAGE * max(size)
     corners = np.minimum(np.abs(inside), np.abs(inside - size)) <= near
     return bool(corners.all() and (np.abs(np.ptp(inside, axis=0) - size) <= 2 * near).all())

@@ -1,7 +1,6 @@
 """Numbers, lengths, transforms and shapes of SVG, each refused in words where it is in doubt."""
 
 import re
-from dataclasses import dataclass
 from typing import Any
 from xml.etree.ElementTree import Element
 
@@ -98,62 +97,48 @@ def moved(x: float, y: float) -> Array:
     return np.array([[1.0, 0.0, x], [0.0, 1.0, y], [0.0, 0.0, 1.0]])
 
 
-@dataclass(frozen=True, eq=False)
-class Shape:
-    """A shape at one of the places where it is drawn."""
+def shape(tag: str, element: Element, matrix: Array, viewport: Size) -> Any:
+    """Path of svgelements in the element's own coordinates.
 
-    tag: str
-    element: Element
-    matrix: Array
-    """(3, 3), from its own coordinates to those of the page [m], y up."""
-    viewport: Size
+    matrix: (3, 3), from those to metres on the page. Raises ValueError for a shape in doubt.
+    """
+    given = element.attrib
 
-    @property
-    def path(self) -> Any:
-        """Path of svgelements in its own coordinates. Raises ValueError for one in doubt."""
-        if self.tag == "path":
-            return _path(self.element.get("d", ""))
-        if self.tag in ("polyline", "polygon"):
-            values = numbers(self.element.get("points", ""), "points")
-            if len(values) % 2:
-                raise ValueError("its points end with an x that has no y")
-            ends = f"M{' '.join(map(repr, values))}" if values else ""
-            return _path(ends + ("z" if ends and self.tag == "polygon" else ""))
-        if self.tag == "line":
-            return _path("M" + " ".join(repr(self._length(n)) for n in ("x1", "y1", "x2", "y2")))
-        if self.tag == "rect":
-            at = self._length("x"), self._length("y")
-            width, height = self._size("width", at), self._size("height", at)
-            rx, ry = self._radii()
-            rx, ry = min(rx or 0.0, width / 2.0), min(ry or 0.0, height / 2.0)
-            return svgelements.Path(svgelements.Rect(*at, width, height, rx, ry))
-        at = self._length("cx"), self._length("cy")
-        if self.tag == "circle":
-            rx = ry = self._size("r", at)
-        else:
-            rx, ry = self._radii()
-            rx, ry = rx or self._size("rx", at), ry or self._size("ry", at)
-        return svgelements.Path(svgelements.Ellipse(cx=at[0], cy=at[1], rx=rx, ry=ry))
+    def of(name: str) -> float:
+        return length(given.get(name, "0"), name, viewport)
 
-    def _length(self, name: str) -> float:
-        return length(self.element.get(name, "0"), name, self.viewport)
-
-    def _size(self, name: str, at: Size) -> float:
-        value = self._length(name)
-        if not value > 0.0:
-            raise ValueError(f"its {name} is {value:g}, at {place((self.matrix @ [*at, 1.0])[:2])}")
+    def size(name: str) -> float:
+        if not (value := of(name)) > 0.0:
+            at = place((matrix @ [*corner, 1.0])[:2])
+            raise ValueError(f"its {name} is {value:g}, at {at}")
         return value
 
-    def _radii(self) -> tuple[float | None, float | None]:
-        """rx and ry, each that of the other where it is not given."""
-        rx, ry = (
-            None if self.element.get(name, "auto") == "auto" else self._length(name)
-            for name in ("rx", "ry")
-        )
-        for name, value in (("rx", rx), ("ry", ry)):
-            if value is not None and value < 0.0:
+    if tag == "path":
+        return _path(given.get("d", ""))
+    if tag in ("polyline", "polygon"):
+        values = numbers(given.get("points", ""), "points")
+        if len(values) % 2:
+            raise ValueError("its points end with an x that has no y")
+        ends = f"M{' '.join(map(repr, values))}" if values else ""
+        return _path(ends + ("z" if ends and tag == "polygon" else ""))
+    if tag == "line":
+        return _path("M" + " ".join(repr(of(name)) for name in ("x1", "y1", "x2", "y2")))
+    corner = (of("x"), of("y")) if tag == "rect" else (of("cx"), of("cy"))
+    whole = (size("width"), size("height")) if tag == "rect" else (np.inf, np.inf)
+    if tag == "circle":
+        radii = [size("r")] * 2
+    else:
+        known = {name: of(name) for name in ("rx", "ry") if given.get(name, "auto") != "auto"}
+        for name, value in known.items():
+            if value < 0.0:
                 raise ValueError(f"its {name} is {value:g}")
-        return (ry if rx is None else rx), (rx if ry is None else ry)
+        # Each is that of the other where it is not given.
+        radii = [known.get(name, max(known.values(), default=0.0)) for name in ("rx", "ry")]
+    if tag == "rect":
+        rx, ry = (min(radius, side / 2.0) for radius, side in zip(radii, whole, strict=True))
+        return svgelements.Path(svgelements.Rect(*corner, *whole, rx, ry))
+    rx, ry = (radius or size(name) for radius, name in zip(radii, ("rx", "ry"), strict=True))
+    return svgelements.Path(svgelements.Ellipse(cx=corner[0], cy=corner[1], rx=rx, ry=ry))
 
 
 def _path(d: str) -> Any:

@@ -78,29 +78,25 @@ class Styles:
                 if selector.pseudo_element is None:
                     self._matcher.add_selector(selector, rule.content)
 
-    def declared(self, element: Element) -> tuple[dict[str, str], set[str]]:
+    def _declared(self, element: Element) -> tuple[dict[str, str], set[str]]:
         """Values by property, and the names of those that a style declares, not an attribute."""
-        if element not in self._known:
-            self._known[element] = self._cascade(element)
-        return self._known[element]
-
-    def _cascade(self, element: Element) -> tuple[dict[str, str], set[str]]:
+        if known := self._known.get(element):
+            return known
         values = {name: text for name, text in element.attrib.items() if name in INITIAL}
-        blocks: list[Any] = []
+        blocks: list[Any] = [element.get("style", "")]
         if element in self._wrapped:
-            blocks += [match[-1] for match in self._matcher.match(self._wrapped[element])]
-        if style := element.get("style"):
-            blocks.append(style)
+            blocks[:0] = [match[-1] for match in self._matcher.match(self._wrapped[element])]
         named = [d for block in blocks for d in tinycss2.parse_blocks_contents(block, True, True)]
         named = [d for d in named if d.type == "declaration"]
         for declaration in sorted(named, key=lambda d: d.important):
             values[declaration.lower_name] = tinycss2.serialize(declaration.value)
         values = {name: text.strip() for name, text in values.items()}
-        return values, {declaration.lower_name for declaration in named}
+        self._known[element] = values, {declaration.lower_name for declaration in named}
+        return self._known[element]
 
     def computed(self, element: Element, parent: Mapping[str, str]) -> dict[str, str]:
         """Values of an element by those of its parent. Raises ValueError for one in doubt."""
-        declared, by_style = self.declared(element)
+        declared, by_style = self._declared(element)
         if unread := sorted(by_style & UNREAD):
             raise ValueError(f"its {unread[0]} is set by a style, which programs read differently")
         if "transform-origin" in element.attrib:

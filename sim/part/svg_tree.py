@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from armside.arrays import Array
 
 from .expansion import check_expansion
-from .svg_shape import SHAPES, Shape, Size, fitted_in, length, moved, transform, viewbox
+from .svg_shape import SHAPES, Size, fitted_in, length, moved, transform, viewbox
 from .svg_style import INITIAL, Styles, opaque, painted
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -32,10 +33,11 @@ Clip = tuple[Array, Size, str]
 
 
 @dataclass(frozen=True, eq=False)
-class _Place:
+class Place:
     """What an element has from where it stands."""
 
     matrix: Array
+    """(3, 3), from its own coordinates to those of the page [m], y up."""
     viewport: Size
     style: Mapping[str, str] = field(default_factory=lambda: INITIAL)
     layer: str = ""
@@ -47,18 +49,15 @@ class _Place:
     clips: tuple[Clip, ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
-class Leaf(Shape):
+class Leaf(NamedTuple):
     """An element that is no group, at one of the places where it is drawn."""
 
+    tag: str
+    element: Element
     name: str
-    layer: str
-    hidden: str
-    trouble: str
-    clips: tuple[Clip, ...]
-    filled: bool = False
-    stroked: bool = False
-    marked: bool = False
+    at: Place
+    filled: bool
+    stroked: bool
 
 
 class Document:
@@ -83,8 +82,8 @@ class Document:
 
         page: width and height [pixels]; metres: of a pixel.
         """
-        at = self._inside(self.root, _Place(np.diag([metres, -metres, 1.0]), page))
-        at = self._fitted(self.root, at, page)
+        at = self._inside(self.root, Place(np.diag([metres, -metres, 1.0]), page))
+        at = _fitted(self.root, at, page)
         for child in self.root:
             yield from self._leaves(child, at)
 
@@ -103,7 +102,7 @@ class Document:
             target = self._ids.get(_reference(element)[1:])
             yield from [] if target is None else [(1, target)]
 
-    def _leaves(self, element: Element, at: _Place, use: Element | None = None) -> Iterator[Leaf]:
+    def _leaves(self, element: Element, at: Place, use: Element | None = None) -> Iterator[Leaf]:
         tag = self.tag(element)
         if tag in SILENT and not (tag == "symbol" and use is not None):
             return
@@ -120,16 +119,15 @@ class Document:
         else:
             yield self._leaf(element, tag, at)
 
-    def _inside(self, element: Element, at: _Place, use: Element | None = None) -> _Place:
+    def _inside(self, element: Element, at: Place, use: Element | None = None) -> Place:
         """What is inside of an element, or the element itself, has from it."""
         tag = self.tag(element)
         try:
             style = self._styles.computed(element, at.style)
             at = replace(at, style=style, matrix=at.matrix @ transform(element))
-            if style["display"] == "none" and tag != "symbol":
-                at = replace(at, hidden=at.hidden or HIDDEN)
-            if not opaque(style, "opacity"):
-                at = replace(at, hidden=at.hidden or UNSEEN)
+            gone = HIDDEN if style["display"] == "none" and tag != "symbol" else ""
+            seen = opaque(style, "opacity")
+            at = replace(at, hidden=at.hidden or gone or ("" if seen else UNSEEN))
             if changes := [name for name in CHANGES if style[name] not in ("none", "")]:
                 raise ValueError(f"it has a {changes[0]}: {CLIPPED}")
             if {"systemLanguage", "requiredExtensions"} & element.attrib.keys():
@@ -143,7 +141,7 @@ class Document:
             at = replace(at, trouble=at.trouble or f"{group}{error}")
         return at
 
-    def _viewport(self, element: Element, at: _Place, use: Element | None) -> _Place:
+    def _viewport(self, element: Element, at: Place, use: Element | None) -> Place:
         names = ("x", "y", "width", "height")
         own = {name: element.attrib[name] for name in names if name in element.attrib}
         unread = {"transform", *own} if self.tag(element) == "symbol" else {"transform"}
@@ -160,61 +158,51 @@ class Document:
         if at.style["overflow"] not in ("visible", "auto"):
             clip = (at.matrix, (w, h), f"{self._label(element)}{at.within}")
             at = replace(at, clips=(*at.clips, clip))
-        return self._fitted(element, at, (w, h))
+        return _fitted(element, at, (w, h))
 
-    def _fitted(self, element: Element, at: _Place, size: Size) -> _Place:
-        box = viewbox(element)
-        inner = at.matrix @ fitted_in(element, size)
-        return replace(at, matrix=inner, viewport=(box[2], box[3]) if box else size)
-
-    def _used(self, use: Element, at: _Place) -> Iterator[Leaf]:
+    def _used(self, use: Element, at: Place) -> Iterator[Leaf]:
         reference = _reference(use)
         target = self._ids.get(reference[1:]) if reference[:1] == "#" else None
+        trouble, tag = "", "" if target is None else self.tag(target)
         if target is None or self._count[reference[1:]] > 1:
             what = "is not in the drawing" if target is None else "is more than one element"
-            at = replace(at, trouble=at.trouble or f"it refers to {reference!r}, which {what}")
-        elif (tag := self.tag(target)) in SILENT - {"symbol"} or tag[0] == "{":
-            at = replace(at, trouble=at.trouble or f"it refers to a {tag}")
-        else:
-            try:
-                x, y = (length(use.get(name, "0"), name, at.viewport) for name in ("x", "y"))
-                at = replace(at, matrix=at.matrix @ moved(x, y))
-            except ValueError as error:
-                at = replace(at, trouble=at.trouble or f"{self._label(use)}: {error}")
-            layer = at.layer if at.within else layer_of(use, at.layer)
-            at = replace(at, layer=layer, within=at.within or f" of {self._label(use)}")
-            yield from self._leaves(target, at, use)
+            trouble = f"it refers to {reference!r}, which {what}"
+        elif tag in SILENT - {"symbol"} or tag[0] == "{":
+            trouble = f"it refers to a {tag}"
+        if target is None or trouble:
+            yield self._leaf(use, "use", replace(at, trouble=at.trouble or trouble))
             return
-        yield self._leaf(use, "use", at)
+        try:
+            x, y = (length(use.get(name, "0"), name, at.viewport) for name in ("x", "y"))
+            at = replace(at, matrix=at.matrix @ moved(x, y))
+        except ValueError as error:
+            trouble = f"{self._label(use)}: {error}"
+        layer = at.layer if at.within else layer_of(use, at.layer)
+        within, trouble = at.within or f" of {self._label(use)}", at.trouble or trouble
+        at = replace(at, layer=layer, within=within, trouble=trouble)
+        yield from self._leaves(target, at, use)
 
-    def _leaf(self, element: Element, tag: str, at: _Place) -> Leaf:
+    def _leaf(self, element: Element, tag: str, at: Place) -> Leaf:
         self._of_tag[tag] += 1
         name = f"#{element.get('id')}" if element.get("id") else f"{self._of_tag[tag]} (without id)"
-        hidden, trouble, shows = at.hidden, at.trouble, [False, False]
-        if at.style["visibility"] != "visible":
-            hidden = hidden or HIDDEN
+        trouble, filled, stroked = "", False, False
         if tag not in SHAPES | {"use"}:
-            trouble = trouble or "it cannot be cut; choose the layers to cut, or remove it"
+            trouble = "it cannot be cut; choose the layers to cut, or remove it"
         elif any(self.tag(child) in MOVING for child in element):
-            trouble = trouble or "it is animated"
+            trouble = "it is animated"
         try:
-            shows = [painted(at.style, paint, self._ids) for paint in ("fill", "stroke")]
+            filled, stroked = (painted(at.style, each, self._ids) for each in ("fill", "stroke"))
         except ValueError as error:
             trouble = trouble or str(error)
-        return Leaf(
-            tag=tag,
-            element=element,
-            matrix=at.matrix,
-            viewport=at.viewport,
-            name=f"{tag} {name}{at.within}",
-            layer=at.layer,
-            hidden=hidden,
-            trouble=trouble,
-            clips=at.clips,
-            filled=shows[0],
-            stroked=shows[1],
-            marked=any(v not in ("none", "") for n, v in at.style.items() if n[:6] == "marker"),
-        )
+        hidden = at.hidden or ("" if at.style["visibility"] == "visible" else HIDDEN)
+        at = replace(at, hidden=hidden, trouble=at.trouble or trouble)
+        return Leaf(tag, element, f"{tag} {name}{at.within}", at, filled, stroked)
+
+
+def _fitted(element: Element, at: Place, size: Size) -> Place:
+    box = viewbox(element)
+    inner = at.matrix @ fitted_in(element, size)
+    return replace(at, matrix=inner, viewport=(box[2], box[3]) if box else size)
 
 
 def layer_of(group: Element, outer: str) -> str:

@@ -1,11 +1,12 @@
 """Figures that an identification is scored by."""
 
 import numpy as np
+import pytest
 
 from armside import assets
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, prepare
-from armside.sim.laser.identification import assigned, identified, unidentified
+from armside.sim.laser.identification import assigned, directions, identified, unidentified
 from armside.sim.laser.tool_measure import ToolPath
 
 
@@ -35,3 +36,16 @@ def test_the_springs_of_an_arm_in_a_plane_are_identified_and_scored_in_it():
 def test_parameters_that_keep_their_prior_are_named():
     names = ("stiffness 1", "mounting x", "clock")
     assert unidentified(names, np.array([0.99, 0.2, 0.5])) == ["mounting x"]
+
+
+def test_a_tool_is_scored_in_the_directions_in_which_it_moves():
+    plane = np.array([[1.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
+    moving = directions(plane)
+    assert moving.shape == (3, 2)
+    assert moving[2] == pytest.approx(np.zeros(2), abs=1e-12)
+    assert np.array_equal(directions(np.eye(3)), np.eye(3))
+
+
+@pytest.mark.parametrize(("part", "moving"), [(0.5, 2), (2.0, 3)])
+def test_a_direction_is_immovable_below_a_billionth_of_the_one_that_moves_most(part, moving):
+    assert directions(np.diag([2.0, 1.0, 2.0 * part * 1e-9])).shape == (3, moving)

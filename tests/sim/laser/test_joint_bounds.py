@@ -10,7 +10,7 @@ import pytest
 from armside.sim.laser import joint_bounds
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.joint_bounds import DRIVE, JointBounds
-from armside.sim.laser.part_cut import PartCut, sequence
+from armside.sim.laser.part_cut import PartCut
 from armside.sim.motion import speed_profile
 from armside.sim.motion.tool_motion import joint_reference
 from armside.sim.part import plan as plan_module
@@ -59,9 +59,8 @@ def test_a_slow_joint_lowers_the_speed_where_it_needs_to(outline):
     limited = replace(outline, robot=replace(cell, limits=slow))
     (cut,), (free,) = limited.plan.cuts, outline.plan.cuts
     assert cut.seconds > 1.05 * free.seconds
-    motion = sequence(limited, limited.plan, limited.plane)
-    phi = joint_reference(motion, cell.robot, slow)
-    use = np.abs(np.gradient(phi, motion.step, axis=0)) / np.array(slow.speed)
+    phi = joint_reference(limited.motion, cell.robot, slow)
+    use = np.abs(np.gradient(phi, limited.motion.step, axis=0)) / np.array(slow.speed)
     assert use.max() <= 1.01
     assert use.max() >= 0.95
 
@@ -81,9 +80,7 @@ def test_friction_takes_its_part_of_each_drive_at_the_motor(outline):
 def test_a_plan_is_refused_where_a_joint_leaves_its_range(outline):
     """At planning, before anything runs."""
     limits = outline.cell.limits
-    phi = joint_reference(
-        sequence(outline, outline.plan, outline.plane), outline.cell.robot, limits
-    )
+    phi = joint_reference(outline.motion, outline.cell.robot, limits)
     first = float(np.quantile(phi[:, 0], 0.8))
     upper = (first, *limits.upper[1:])
     narrow = replace(outline, robot=replace(outline.cell, limits=replace(limits, upper=upper)))

@@ -16,7 +16,7 @@ from armside.sim.laser import Cut, Design, MotorAngles, Pass, Source, ToolPath, 
 from armside.sim.laser.design import default_design
 from armside.sim.laser.loop import MEASURES, first_run, iterate, measure_of
 from armside.sim.laser.results import status
-from armside.sim.part.carried import carried, follows
+from armside.sim.part.motion import carried, follows
 from armside.sim.records.files import InputError
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from armside.sim.cell import TOOL_QUATERNION
-from armside.sim.motion.contour import ArcsAndLines, Circle, hexagon, regular_polygon, slot, square
+from armside.sim.motion.contour import ArcsAndLines, Circle, hexagon, slot, square
 from armside.sim.motion.path import CuttingPath, Plane
 from armside.sim.motion.tool_motion import cut
 
@@ -86,8 +86,6 @@ def test_bad_sizes_are_named():
         slot(0.01, 0.01)
     with pytest.raises(ValueError, match="size must be > 0"):
         square(-0.02, 0.001)
-    with pytest.raises(ValueError, match="3 sides or more"):
-        regular_polygon(2, 0.01, 0.001)
 
 
 def test_a_chain_that_does_not_close_is_refused():

@@ -281,14 +281,13 @@ def test_the_robot_rests_during_waits_and_rests():
         joints(*[0.0] * 6),
         start=(0.0,) * 6,
         rest_before=0.2,
-        rest_after=0.3,
     )
     still = np.all(np.diff(motion.phi, axis=0) == 0.0, axis=1)
     waiting = (motion.instruction == 1)[:-1]
     assert waiting.sum() * STEP == pytest.approx(0.4, abs=2 * STEP)
     assert still[waiting][1:-1].all()
     assert still[: round(0.2 / STEP) - 1].all()
-    assert still[-round(0.3 / STEP) + 1 :].all()
+    assert still[-round(0.5 / STEP) + 1 :].all()
 
 
 def test_no_circle_goes_through_points_on_a_line():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from armside.sim.motion.profile_grid import SLACK, nearly_at_rest
+from armside.sim.motion.profile_grid import nearly_at_rest
 from armside.sim.motion.profile_program import LimitRows, Programme, largest, stacked
 from armside.sim.motion.speed_profile import Bends, _first_grid, profiles
 from armside.sim.motion.timing import PathLimits, rest_to_rest
@@ -36,12 +36,6 @@ def outline():
     return profile(LENGTHS, CURVATURE, 0.167)
 
 
-def test_a_profile_is_of_the_whole_path_from_rest_to_rest(outline):
-    assert outline.s[[0, -1]] == pytest.approx([0.0, LENGTHS.sum()])
-    assert (np.diff(outline.s) >= 0.0).all()
-    assert outline.speed[[0, -1]].tolist() == [0.0, 0.0]
-
-
 def derivatives(timing, h):
     """Finite differences of s(t) up to the third, by h [s]."""
     s = timing.at(np.arange(0.0, timing.duration, h))[0]
@@ -69,7 +63,10 @@ def test_no_limit_is_exceeded(outline):
     assert (v**2 * CURVATURE[element]).max() <= 1.01 * LIMITS.acceleration
 
 
-def test_it_goes_from_rest_to_rest_over_the_whole_length(outline):
+def test_a_profile_is_of_the_whole_path_from_rest_to_rest(outline):
+    assert outline.s[[0, -1]] == pytest.approx([0.0, LENGTHS.sum()])
+    assert (np.diff(outline.s) >= 0.0).all()
+    assert outline.speed[[0, -1]].tolist() == [0.0, 0.0]
     timing = outline.timing
     s, v, a = timing.at([0.0, timing.duration])
     np.testing.assert_allclose(s, [0.0, LENGTHS.sum()], atol=1e-9)
@@ -84,11 +81,6 @@ def test_on_a_straight_line_it_is_nearly_as_fast_as_the_fastest_timing(speed):
     best = rest_to_rest(0.2, speed, LIMITS)
     assert best.duration <= found.timing.duration * (1.0 + 1e-6)
     assert found.timing.duration <= 1.05 * best.duration
-
-
-def test_the_outline_takes_less_time_than_at_the_speed_of_its_corners(outline):
-    slow = rest_to_rest(LENGTHS.sum(), np.sqrt(LIMITS.acceleration * R), LIMITS)
-    assert outline.timing.duration < 0.65 * slow.duration
 
 
 def test_a_speed_that_is_none_is_refused():
@@ -214,6 +206,6 @@ def test_a_rest_between_bends_is_seen_and_slow_bends_are_none():
     lengths, curvature = bent(0.1e-3, np.array([0.06, 0.06]), (1,))
     grid = _first_grid(Bends(lengths, curvature), 0.167, LIMITS)
     held = np.full(len(grid.s), np.sqrt(LIMITS.acceleration * 0.1e-3))
-    assert not nearly_at_rest(grid, held**2, SLACK).any()
+    assert not nearly_at_rest(grid, held**2).any()
     held[125] = 0.1 * held[125]
-    assert np.flatnonzero(nearly_at_rest(grid, held**2, SLACK)).tolist() == [125]
+    assert np.flatnonzero(nearly_at_rest(grid, held**2)).tolist() == [125]

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from armside.sim.part.carried import SAME, follows
+from armside.sim.part.motion import SAME, follows
 
 LINE, SHORTER = np.array([[0.0, 0, 0], [1.0, 0, 0]]), np.array([[0.0, 0, 0]])
 

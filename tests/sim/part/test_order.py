@@ -1,6 +1,6 @@
 """Order of cuts beside all orders there are."""
 
-from itertools import permutations
+from itertools import pairwise, permutations
 
 import numpy as np
 import pytest
@@ -35,3 +35,12 @@ def test_five_cuts_are_mostly_in_the_shortest_order_there_is():
         ratios.append(way(found, entry, leave, start) / best)
     assert np.mean(np.array(ratios) < 1.0 + 1e-9) > 0.8
     assert np.max(ratios) < 1.5
+
+
+def test_what_is_inside_is_cut_before_what_is_around_it():
+    rng = np.random.default_rng(1)
+    places = rng.uniform(0.0, 1.0, (30, 2))
+    depth = rng.integers(0, 4, 30).tolist()
+    found = order(places, places, depth, np.zeros(2))
+    assert sorted(found) == list(range(30))
+    assert all(depth[a] >= depth[b] for a, b in pairwise(found))

@@ -1,7 +1,7 @@
 """Plans keep half a beam from every contour, cut inner contours first and travel little."""
 
 import os
-from itertools import pairwise, permutations
+from contextlib import nullcontext
 from time import process_time
 
 import numpy as np
@@ -12,7 +12,6 @@ from armside.sim.part.arcs import line
 from armside.sim.part.beam_path import compensated, smooth
 from armside.sim.part.curve import Kind
 from armside.sim.part.drawing import Reading
-from armside.sim.part.order import order
 from armside.sim.part.part import read_part
 from armside.sim.part.plan import Cutting, plan
 
@@ -76,61 +75,36 @@ def test_the_time_of_a_plan_is_that_of_its_moves(planned):
         assert cut.reached_speed == pytest.approx(planned.cutting.speed, rel=1e-6)
 
 
-def travel(tour, entry, leave, start):
-    """Length of the rapid moves [m]."""
-    begins = np.vstack([start, leave[tour[:-1]]])
-    return float(np.linalg.norm(entry[tour] - begins, axis=1).sum())
+NECK = [(10, 10), (30, 10), (30, 14.9), (31, 14.9), (31, 10), (50, 10)]
+NECK += [(50, 20), (31, 20), (31, 15.2), (30, 15.2), (30, 20), (10, 20)]
+SLOT = [(10, 10), (40, 10), (40, 10.3), (10, 10.3)]
+NARROW = {
+    "hole": (lambda s: s.add_circle((20, 20), 0.15), r"too wide for the radius of 0.15 mm at \("),
+    "slot": (
+        lambda s: s.add_lwpolyline(SLOT, close=True),
+        r"too wide for the radius|wider than the slot at \(",
+    ),
+    "neck": (
+        lambda s: s.add_lwpolyline(NECK, close=True),
+        r"wider than the slot at \(30\.\d+, 15\.\d+\) mm",
+    ),
+}
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_the_order_is_near_the_shortest_of_all(seed):
-    rng = np.random.default_rng(seed)
-    entry, start = rng.uniform(0.0, 1.0, (7, 2)), np.zeros(2)
-    leave = entry + rng.uniform(-0.05, 0.05, (7, 2))
-    found = order(entry, leave, [0] * 7, start)
-    assert sorted(found) == list(range(7))
-    every = [travel(list(p), entry, leave, start) for p in permutations(range(7))]
-    assert travel(found, entry, leave, start) <= 1.05 * min(every)
-
-
-def test_what_is_inside_is_cut_before_what_is_around_it():
-    rng = np.random.default_rng(1)
-    places = rng.uniform(0.0, 1.0, (30, 2))
-    depth = rng.integers(0, 4, 30).tolist()
-    found = order(places, places, depth, np.zeros(2))
-    assert all(depth[a] >= depth[b] for a, b in pairwise(found))
-
-
-@pytest.mark.parametrize(
-    ("draw", "said"),
-    [
-        (lambda s: s.add_circle((20, 20), 0.15), r"too wide for the radius of 0.15 mm at \("),
-        (
-            lambda s: s.add_lwpolyline([(10, 10), (40, 10), (40, 10.3), (10, 10.3)], close=True),
-            r"too wide for the radius|wider than the slot at \(",
-        ),
-    ],
-    ids=["hole", "slot"],
-)
-def test_a_beam_wider_than_an_opening_is_refused_with_its_place(draw, said, tmp_path):
+def framed(draw, folder):
+    """The part of a frame with what is drawn in it."""
     document = new()
     frame(document.modelspace())
     draw(document.modelspace())
-    part = read_part(save(document, tmp_path))
-    with pytest.raises(ValueError, match=rf"#\w+: the beam of 0.4 mm is .*{said}"):
-        plan(part, Cutting(beam=4e-4))
+    return read_part(save(document, folder))
 
 
-def test_a_neck_narrower_than_the_beam_is_refused_with_its_place(tmp_path):
-    document = new()
-    space = document.modelspace()
-    frame(space)
-    upper = [(10, 10), (30, 10), (30, 14.9), (31, 14.9), (31, 10), (50, 10)]
-    lower = [(50, 20), (31, 20), (31, 15.2), (30, 15.2), (30, 20), (10, 20)]
-    space.add_lwpolyline(upper + lower, close=True)
-    part = read_part(save(document, tmp_path))
+@pytest.mark.parametrize("case", NARROW)
+def test_a_beam_wider_than_an_opening_is_refused_with_its_place(case, tmp_path):
+    draw, said = NARROW[case]
+    part = framed(draw, tmp_path)
     plan(part, Cutting(beam=2e-4))
-    with pytest.raises(ValueError, match=r"wider than the slot at \(30\.\d+, 15\.\d+\) mm"):
+    with pytest.raises(ValueError, match=rf"#\w+: the beam of 0.4 mm is .*{said}"):
         plan(part, Cutting(beam=4e-4))
 
 
@@ -154,28 +128,20 @@ NEIGHBOURS = {
 @pytest.mark.parametrize("case", NEIGHBOURS)
 def test_a_beam_that_cuts_into_another_contour_is_refused_with_both_names(case, tmp_path):
     draw, said = NEIGHBOURS[case]
-    document = new()
-    frame(document.modelspace())
-    draw(document.modelspace())
-    part = read_part(save(document, tmp_path))
-    if said is None:
-        plan(part, Cutting(beam=2e-4))
-        return
-    with pytest.raises(ValueError, match=said):
+    part = framed(draw, tmp_path)
+    with nullcontext() if said is None else pytest.raises(ValueError, match=said):
         plan(part, Cutting(beam=2e-4))
 
 
 @pytest.mark.parametrize("gap", [2.05, 0.9, 0.31, 0.22])
 def test_the_beam_of_a_lead_stays_off_its_neighbours(gap, tmp_path):
     """An island in a hole: its lead of 2 mm would run across the gap [mm] into the hole's edge."""
-    document = new()
-    space = document.modelspace()
-    frame(space)
-    space.add_lwpolyline([(10, 10), (40, 10), (40, 30), (10, 30)], close=True)
-    inner = [(10, 10), (40, 10), (40, 30), (10, 30)]
-    inner = [(x + (gap if x < 20 else -gap), y + (gap if y < 20 else -gap)) for x, y in inner]
-    space.add_lwpolyline(inner, close=True)
-    found = plan(read_part(save(document, tmp_path)), Cutting(beam=2e-4))
+    hole = [(10, 10), (40, 10), (40, 30), (10, 30)]
+    inner = [(x + (gap if x < 20 else -gap), y + (gap if y < 20 else -gap)) for x, y in hole]
+    both = framed(
+        lambda s: [s.add_lwpolyline(each, close=True) for each in (hole, inner)], tmp_path
+    )
+    found = plan(both, Cutting(beam=2e-4))
     for cut in found.cuts:
         swath = shapely.LineString(cut.path.polygon())
         for other in found.cuts:
@@ -185,16 +151,14 @@ def test_the_beam_of_a_lead_stays_off_its_neighbours(gap, tmp_path):
 
 
 def test_corners_are_rounded_with_the_radius_that_is_asked_for(tmp_path):
-    document = new()
-    frame(document.modelspace())
-    (cut,) = plan(read_part(save(document, tmp_path)), Cutting(corner=1e-3)).cuts
+    (cut,) = plan(framed(lambda space: None, tmp_path), Cutting(corner=1e-3)).cuts
     assert cut.corners == 4
     area = turn(cut).area
     w, h, r = 0.1 + 2e-4, 0.06 + 2e-4, 1e-3 + 1e-4
     assert area == pytest.approx(w * h - (4.0 - np.pi) * r**2, rel=1e-9)
 
 
-def test_corners_at_both_ends_of_a_short_side_share_it(tmp_path):
+def test_corners_at_both_ends_of_a_short_side_share_it():
     """Of 1 mm between two right angles, rounded by 2 mm if there were room: each takes 0.49 mm."""
     chain = line((0.0, 0.0), (0.05, 0.0), (0.05, 0.001), (0.0, 0.001), (0.0, 0.0))
     rounded = smooth(chain, 2e-3)

@@ -8,9 +8,7 @@ import pytest
 from tests.calibration.experiments import learned
 
 from armside import assets
-from armside.sim.cell import LARGE_CELL
 from armside.sim.laser import Cut, prepare
-from armside.sim.laser.specification import plan
 from armside.sim.robot.effects import available, with_effects
 from armside.sim.robot.individual import with_friction
 from armside.sim.robot.mjcf import ModelError
@@ -27,9 +25,7 @@ def model():
 
 @pytest.fixture(scope="module")
 def cut(model):
-    at_p2 = Cut(pose="p2")
-    pose = at_p2.tool_pose.quaternion
-    return plan(LARGE_CELL, Statics(model), at_p2.path, pose, at_p2.speed)
+    return Cut(pose="p2").planned(Statics(model))
 
 
 @pytest.fixture(scope="module")

@@ -72,14 +72,11 @@ def test_what_is_given_is_taken_and_the_rest_stays_as_drawn():
 
 @pytest.mark.parametrize("robot", ["large", "irb1400"])
 def test_every_draw_is_within_reach(robot):
-    from armside.sim.laser.specification import plan
-
-    cell = CELLS[robot]
-    nominal = load_model(cell.xml)
+    nominal = load_model(CELLS[robot].xml)
     for drawn in _drawn(robot, n=12):
         model = nominal if drawn.payload is None else with_payload(nominal, drawn.payload)
-        path = Cut(pose=drawn.pose, speed=drawn.speed).path
-        plan(cell, Statics(model), path, drawn.pose.quaternion, drawn.speed)  # raises out of reach
+        cut = Cut(robot=robot, pose=drawn.pose, speed=drawn.speed)
+        cut.planned(Statics(model))  # raises out of reach
 
 
 def test_the_controller_is_told_the_payload_and_the_individual_differs_from_what_it_knows(nominal):
