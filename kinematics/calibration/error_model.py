@@ -12,14 +12,15 @@ derived or compiled for a particular arm.
 from dataclasses import dataclass
 from functools import cache, cached_property
 from math import pi
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from armside.arrays import Array
 
-from ..cache import native_function, native_module
+from ..cache import native_function
+from ..compiled import CompiledFunction
 from ..dh import Joint, Link, Robot
 from ..rigid import standard_links
 
@@ -51,7 +52,7 @@ class Section(NamedTuple):
 
 
 @cache
-def _function() -> Any:
+def _function() -> CompiledFunction:
     robot = Robot(_SECTION, name="section with errors")
 
     def program() -> "StraightLineProgram":
@@ -59,8 +60,8 @@ def _function() -> Any:
 
         return pose_and_jacobian(robot)
 
-    module = native_module("pose_and_jacobian", robot.key, program)
-    return native_function(module, (SIZE,), (16 + 6 * SIZE,))
+    size = 16 + 6 * SIZE
+    return native_function("pose_and_jacobian", robot.key, program, (SIZE,), (size,))
 
 
 def sections(variables: Array) -> Section:

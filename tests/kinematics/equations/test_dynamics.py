@@ -18,7 +18,7 @@ from armside.kinematics import (
     Robot,
     compile_dynamics,
 )
-from armside.kinematics.equations import coriolis, dynamics
+from armside.kinematics.equations import dynamics
 from armside.kinematics.equations.inertial_model import Body, InertialModel, Motor
 from armside.kinematics.rigid import link_transform
 from armside.kinematics.symbolic.lagrange import symbolic_dynamics
@@ -119,7 +119,7 @@ def test_recursions_agree_with_energies(n, convention, random_model, random_robo
     evaluate = sp.lambdify(symbols, [full.D, full.C, full.g, full.f], cse=True)
     D, C, g, f = evaluate(*phi, *rate)
     assert_relative(interpreted(dynamics.mass_matrix(model))(phi), D)
-    assert_relative(interpreted(coriolis.coriolis_matrix(model))(phi, rate), C)
+    assert_relative(interpreted(dynamics.coriolis_matrix(model))(phi, rate), C)
     assert_relative(interpreted(dynamics.gravity_torque(model))(phi), g[:, 0])
     tau = D @ rate_dot + C @ rate + g[:, 0] + f[:, 0]
     assert_relative(interpreted(dynamics.inverse_dynamics(model))(phi, rate, rate_dot), tau)
@@ -134,9 +134,8 @@ def arm(random_model):
 
 @pytest.fixture(scope="module")
 def functions(arm, interpreted):
-    names = ("mass_matrix", "inverse_dynamics", "gravity_torque", "bias_torque")
-    found = {name: interpreted(getattr(dynamics, name)(arm)) for name in names}
-    return found | {"coriolis_matrix": interpreted(coriolis.coriolis_matrix(arm))}
+    names = "mass_matrix inverse_dynamics gravity_torque bias_torque coriolis_matrix"
+    return {name: interpreted(getattr(dynamics, name)(arm)) for name in names.split()}
 
 
 six = st.tuples(*[st.floats(-3, 3)] * 6).map(np.array)
