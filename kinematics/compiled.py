@@ -15,7 +15,6 @@ from .cache import native_function
 from .dh import Robot
 from .equations.inertial_model import InertialModel
 
-
 CompiledFunction = Callable[..., Array]
 """Function of vectors, and of `out=`; a batch of N has a leading axis in arguments and result."""
 

@@ -115,10 +115,7 @@ def _motor_jacobian(
         to_tool = added(tape, axis.lever, to_tool)
     rows = list(zip(*six[::-1], strict=True)) or [()] * 6
     columns = [
-        [
-            tape(sp.Add(*(e * exact(k) for e, k in zip(row, weight, strict=False))))
-            for row in rows
-        ]
+        [tape(sp.Add(*(e * exact(k) for e, k in zip(row, weight, strict=False)))) for row in rows]
         for weight in robot.coupling.T
     ]
     elements = tuple(e for row in zip(*columns, strict=True) for e in row)

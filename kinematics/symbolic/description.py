@@ -104,7 +104,8 @@ def describe(robot: Robot) -> RobotDescription:
     phi = [symbol("phi", i) for i in range(1, robot.n_joints + 1)]
     table = tuple(exact_parameters(link) for link in at(robot, phi).links)
     try:
-        reach, found = wrist_arm(robot).reach, conditions(robot)
+        a2, forearm = wrist_arm(robot).geometry[4:6].tolist()
+        reach, found = (abs(a2 - forearm), a2 + forearm), conditions(robot)
     except UnsolvableGeometryError:
         reach, found = None, None
     return RobotDescription(robot, table, matrix_t(robot)[-1], reach, found)
