@@ -64,12 +64,6 @@ def _function() -> CompiledFunction:
     return native_function("pose_and_jacobian", robot.key, program, (SIZE,), (size,))
 
 
-def sections(variables: Array) -> Section:
-    """Sections of parameters (N, 6)."""
-    both = _function()(np.ascontiguousarray(variables))
-    return Section(both[:, :16].reshape(-1, 4, 4), both[:, 16:].reshape(-1, 6, SIZE))
-
-
 def joined(sections: list[Section]) -> Section:
     """Sections one behind the other: pose of the last end and (v, omega) there, first axes."""
     T = np.broadcast_to(np.eye(4), sections[0].pose.shape)
@@ -126,9 +120,9 @@ class ErrorModel:
     @cached_property
     def joints(self) -> NDArray[np.intp]:
         """Place of the parameter that each joint variable is added to: theta_i, or d_i."""
-        kinds = {Joint.REVOLUTE: "theta", Joint.PRISMATIC: "d"}
-        moving = [(i, link) for i, link in enumerate(self._links, 1) if link.moves]
-        return np.array([self.index(f"{kinds[link.joint]}_{i}") for i, link in moving])
+        moving = [i for i, link in enumerate(self._links, 1) if link.moves]
+        pairs = zip(moving, self.robot.slides, strict=True)
+        return np.array([self.index(f"{'d' if slides else 'theta'}_{i}") for i, slides in pairs])
 
     def variables(self, phi: Array, errors: Array) -> Array:
         """Joint variables of the longer robot, (N, E), of motor angles (N, n) and errors (E,)."""
@@ -144,8 +138,8 @@ class ErrorModel:
         for i, columns in enumerate(of_section):
             own[:, i, columns] += variables[:, first : first + len(columns)]
             first += len(columns)
-        T, J = sections(own.reshape(-1, SIZE))
-        T, J = T.reshape(n, -1, 4, 4), J.reshape(n, -1, 6, SIZE)
+        both = _function()(own.reshape(-1, SIZE))
+        T, J = both[:, :16].reshape(n, -1, 4, 4), both[:, 16:].reshape(n, -1, 6, SIZE)
         parts = enumerate(of_section)
         return joined([Section(T[:, i], J[:, i][:, :, columns]) for i, columns in parts])
 
