@@ -43,10 +43,14 @@ class StraightLineProgram:
         return self.inputs + self.outputs
 
     @property
+    def computed(self) -> list[Expression]:
+        """Expressions of the steps, then those of the outputs."""
+        return [e for _, e in self.steps] + [e for b in self.outputs for e in b.elements]
+
+    @property
     def operations(self) -> int:
         """Arithmetic operations and function calls, as SymPy counts them."""
-        expressions = [expression for _, expression in self.steps]
-        return int(sp.count_ops(expressions + [e for b in self.outputs for e in b.elements]))
+        return int(sp.count_ops(self.computed))
 
     def expressions(self) -> tuple[Expression, ...]:
         """All output elements with the names substituted back: full expressions of the inputs."""
