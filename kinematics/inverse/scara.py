@@ -13,7 +13,7 @@ from armside.arrays import Array
 
 from ..dh import Robot
 from .closed_form import Branches, Singularity, refuse_unreachable
-from .screws import SQUARE, Screws, branches_of, screws
+from .screws import SQUARE, branches_of, screws
 from .six_axes import require
 from .targets import batch
 
@@ -30,9 +30,18 @@ def scara_branches(robot: Robot, T: ArrayLike) -> Branches:
         ValueError: a target is tilted against the axes.
         UnsolvableGeometryError: the robot is no SCARA; says why.
     """
-    axes, slide = _axes(robot)
-    targets, single = batch(T)
+    slides = np.flatnonzero(robot.slides).tolist()
+    complaint = f"has {robot.n_joints} joints and {len(slides)} slides, a SCARA has 4 and 1"
+    require(robot.n_joints == 4 and len(slides) == 1, robot, complaint)
+    slide = slides[0]
+    axes = screws(robot, "".join("P" if i == slide else "R" for i in range(4)))
+    crossed = np.linalg.norm(np.cross(axes.direction, axes.direction[0]), axis=1)
+    require(bool((crossed < SQUARE).all()), robot, "its axes are not parallel")
     turning = [i for i in range(4) if i != slide]
+    between = np.cross(np.diff(axes.point[turning], axis=0), axes.direction[0])
+    apart = bool((np.linalg.norm(between, axis=1) > SQUARE).all())
+    require(apart, robot, "upper arm or forearm has no length")
+    targets, single = batch(T)
     z = axes.direction[0]
     other = np.eye(3)[int(np.argmin(np.abs(z)))]
     x = other - (other @ z) * z
@@ -61,20 +70,6 @@ def scara_branches(robot: Robot, T: ArrayLike) -> Branches:
     q[..., slide] = (sign[slide] * height)[:, None]
     flags = np.where(bent, 0, Singularity.ELBOW)[:, None] * np.ones((1, 2), dtype=int)
     return branches_of(robot, q, np.ones(q.shape[:2], dtype=bool), flags, single)
-
-
-def _axes(robot: Robot) -> tuple[Screws, int]:
-    """Axes of a SCARA, and the index of its slide."""
-    slides = np.flatnonzero(robot.slides)
-    complaint = f"has {robot.n_joints} joints and {len(slides)} slides, a SCARA has 4 and 1"
-    require(robot.n_joints == 4 and len(slides) == 1, robot, complaint)
-    axes = screws(robot, "".join("P" if i == slides[0] else "R" for i in range(4)))
-    crossed = np.linalg.norm(np.cross(axes.direction, axes.direction[0]), axis=1)
-    require(bool((crossed < SQUARE).all()), robot, "its axes are not parallel")
-    turning = np.delete(axes.point, slides[0], axis=0)
-    apart = np.linalg.norm(np.cross(np.diff(turning, axis=0), axes.direction[0]), axis=1)
-    require(bool((apart > SQUARE).all()), robot, "upper arm or forearm has no length")
-    return axes, int(slides[0])
 
 
 def _elbow(w: Any, l1: complex, l2: complex) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
