@@ -21,11 +21,14 @@ from functools import cache
 from pathlib import Path
 from threading import RLock
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, TypeGuard
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from armside.arrays import Array, check_out, real_array
+
+if TYPE_CHECKING:
+    from .equations.program import StraightLineProgram
 
 _PACKAGE = Path(__file__).parent
 _LOG = logging.getLogger(__name__)
@@ -165,12 +168,6 @@ def _in_memory(name: str, text: str) -> ModuleType:
     return module
 
 
-if TYPE_CHECKING:
-    from .equations.program import StraightLineProgram
-
-_NOT_FAST = (AttributeError, TypeError, ValueError)
-
-
 def native_module(
     name: str,
     key: str,
@@ -187,74 +184,59 @@ def native_module(
     return cached_module(name, key, source, folder)
 
 
-def native_function(module: ModuleType, sizes: tuple[int, ...], shape: tuple[int, ...]) -> Any:
-    """Function of a module whose one to three arguments are vectors of given sizes.
+_FAST = """
+def function({arguments}, /, out=None):
+    try:
+        if {types} is array and a.ndim == 1:
+            result = empty(shape) if out is None else out
+            one({arguments}, result)
+            return result
+    except (AttributeError, TypeError, ValueError):
+        pass
+    return general(out, {arguments})
+"""
+
+
+def native_function(
+    name: str,
+    key: str,
+    program: "Callable[[], StraightLineProgram]",
+    sizes: tuple[int, ...],
+    shape: tuple[int, ...],
+    folder: Path | str | None = None,
+) -> Any:
+    """Compiled function of a program whose one to three arguments are vectors of given sizes.
 
     It takes a batch as one leading axis of every argument, and `out=`, which may overlap the
     arguments: a single call reads all of them before it writes, and a batch goes by a copy.
     """
-    maker = (_one, _two, _three)[len(sizes) - 1]
-    return maker(module.one, np.empty, shape, _general(module, sizes, shape))
-
-
-def _one(one: Any, empty: Any, shape: tuple[int, ...], general: Any) -> Callable[..., Array]:
-    array = np.ndarray
-
-    def function(a: Any, /, out: Array | None = None) -> Array:
-        try:
-            if type(a) is array and a.ndim == 1:
-                result = empty(shape) if out is None else out
-                one(a, result)
-                return result
-        except _NOT_FAST:
-            pass
-        return general(out, a)
-
-    return function
-
-
-def _two(one: Any, empty: Any, shape: tuple[int, ...], general: Any) -> Callable[..., Array]:
-    array = np.ndarray
-
-    def function(a: Any, b: Any, /, out: Array | None = None) -> Array:
-        try:
-            if type(a) is type(b) is array and a.ndim == 1:
-                result = empty(shape) if out is None else out
-                one(a, b, result)
-                return result
-        except _NOT_FAST:
-            pass
-        return general(out, a, b)
-
-    return function
-
-
-def _three(one: Any, empty: Any, shape: tuple[int, ...], general: Any) -> Callable[..., Array]:
-    array = np.ndarray
-
-    def function(a: Any, b: Any, c: Any, /, out: Array | None = None) -> Array:
-        try:
-            if type(a) is type(b) is type(c) is array and a.ndim == 1:
-                result = empty(shape) if out is None else out
-                one(a, b, c, result)
-                return result
-        except _NOT_FAST:
-            pass
-        return general(out, a, b, c)
-
-    return function
+    module, names = native_module(name, key, program, folder), "abc"[: len(sizes)]
+    types = " is ".join(f"type({argument})" for argument in names)
+    scope = {"one": module.one, "empty": np.empty, "array": np.ndarray, "shape": shape}
+    scope["general"] = _general(module, sizes, shape)
+    exec(_FAST.format(arguments=", ".join(names), types=types), scope)
+    return scope["function"]
 
 
 def _general(module: Any, sizes: tuple[int, ...], shape: tuple[int, ...]) -> Callable[..., Array]:
     def function(out: Array | None, *arguments: Any) -> Array:
         arrays = [np.ascontiguousarray(real_array("arguments", a)) for a in arguments]
-        batch = _common_batch(arrays, sizes)
+        batch = arrays[0].shape[:-1]  # () or (N,)
+        if len(batch) > 1 or [a.shape for a in arrays] != [(*batch, n) for n in sizes]:
+            given = ", ".join(str(a.shape) for a in arrays)
+            single = ", ".join(f"({n},)" for n in sizes)
+            many = ", ".join(f"(N, {n})" for n in sizes)
+            raise ValueError(f"arguments must have shapes {single} or {many}; got {given}")
         expected = (*batch, *shape)
         if out is not None:
             check_out(out, expected)
         # Compiled signatures know one kind of array: read-only arguments are copied.
         arrays = [a if a.flags.writeable else a.copy() for a in arrays]
-        result = out if _can_be_filled(out, arrays) else np.empty(expected)
+        result = np.empty(expected)
+        if out is not None and out.flags.c_contiguous and out.flags.writeable:
+            # Rows may be written to `out` before all rows of the arguments are read.
+            overlaps = any(np.may_share_memory(out, a) for a in arrays)
+            result = result if overlaps else out
         (module.many if batch else module.one)(*arrays, result)
         if out is None or result is out:
             return result
@@ -262,22 +244,3 @@ def _general(module: Any, sizes: tuple[int, ...], shape: tuple[int, ...]) -> Cal
         return out
 
     return function
-
-
-def _common_batch(arrays: list[Array], sizes: tuple[int, ...]) -> tuple[int, ...]:
-    """The leading axis of all arguments: () or (N,)."""
-    batch = arrays[0].shape[:-1]
-    fits = [a.shape == (*batch, n) for a, n in zip(arrays, sizes, strict=True)]
-    if len(batch) > 1 or not all(fits):
-        given = ", ".join(str(a.shape) for a in arrays)
-        single = ", ".join(f"({n},)" for n in sizes)
-        many = ", ".join(f"(N, {n})" for n in sizes)
-        raise ValueError(f"arguments must have shapes {single} or {many}; got {given}")
-    return batch
-
-
-def _can_be_filled(out: Array | None, arrays: list[Array]) -> TypeGuard[Array]:
-    """True if rows may be written to `out` before all rows of the arguments are read."""
-    if out is None or not (out.flags.c_contiguous and out.flags.writeable):
-        return False
-    return not any(np.may_share_memory(out, a) for a in arrays)

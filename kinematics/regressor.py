@@ -14,8 +14,11 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array, check_out, real_array
 
 from .cache import native_function, native_module
-from .compiled import MotionFunction, refuse_symbols
+from .compiled import CompiledFunction, derivatives, refuse_symbols
 from .equations.inertial_model import InertialModel
+
+if TYPE_CHECKING:
+    from .equations.program import StraightLineProgram
 
 RANK = 1e-9
 """Columns of Y whose residual is below this fraction of the greatest column count as dependent."""
@@ -86,28 +89,27 @@ def base_parameters(
     n = model.robot.n_joints
     motion = rng.uniform(-np.pi, np.pi, (3, samples, n))
     Y = regressor(model, *motion).reshape(-1, 10 * n)
-    scale = np.linalg.norm(Y, axis=0)
-    threshold = RANK * scale.max()
-    independent: list[int] = []
-    basis = np.empty((len(Y), 0))
-    for column in range(10 * n):
-        rest = Y[:, column] - basis @ (basis.T @ Y[:, column])
-        rest -= basis @ (basis.T @ rest)
-        if (length := np.linalg.norm(rest)) > threshold:
-            basis = np.column_stack([basis, rest / length])
-            independent.append(column)
+    independent = independent_columns(Y, RANK * np.linalg.norm(Y, axis=0).max())
     K = np.asarray(np.linalg.lstsq(Y[:, independent], Y, rcond=None)[0], dtype=np.float64)
     K[np.abs(K) < 1e-10] = 0.0
     return BaseParameters(tuple(independent), K)
 
 
-if TYPE_CHECKING:
-    from .equations.program import StraightLineProgram
+def independent_columns(A: Array, least: float) -> list[int]:
+    """Columns of A (rows, m) of which more than a length is left by those before."""
+    basis, chosen = np.empty((len(A), 0)), list[int]()
+    for index, column in enumerate(A.T):
+        rest = column - basis @ (basis.T @ column)
+        rest -= basis @ (basis.T @ rest)  # a second pass keeps the basis orthogonal
+        if (length := np.linalg.norm(rest)) > least:
+            basis = np.column_stack([basis, rest / length])
+            chosen.append(index)
+    return chosen
 
 
 def compile_inverse_dynamics_jacobian(
     model: InertialModel, *, cache: Path | str | None = None
-) -> MotionFunction:
+) -> CompiledFunction:
     """jacobian(phi, phi_dot, phi_ddot): shape (n, 3 n), derivatives of the motor torques.
 
     Its blocks are d tau / d phi, d tau / d phi_dot and d tau / d phi_ddot; the last is the mass
@@ -115,10 +117,14 @@ def compile_inverse_dynamics_jacobian(
     """
     refuse_symbols("compile", model.robot.name, model.free_symbols)
     n = model.robot.n_joints
-    module = native_module(
-        "inverse_dynamics_tangent", model.key, lambda: torque_tangent(model), cache
+    along = native_function(
+        "inverse_dynamics_tangent",
+        model.key,
+        lambda: torque_tangent(model),
+        (3 * n, 3 * n),
+        (n,),
+        cache,
     )
-    along, units = native_function(module, (3 * n, 3 * n), (n,)), np.eye(3 * n)
 
     def jacobian(
         phi: ArrayLike, phi_dot: ArrayLike, third: ArrayLike, /, out: Array | None = None
@@ -129,11 +135,7 @@ def compile_inverse_dynamics_jacobian(
             raise ValueError(f"arguments must have shapes ({n},), ({n},), ({n},); got {given}")
         if out is not None:
             check_out(out, (n, 3 * n))
-        rows = along(np.tile(np.concatenate(parts), (3 * n, 1)), units)
-        if out is None:
-            return np.ascontiguousarray(rows.T)
-        out[...] = rows.T
-        return out
+        return derivatives(along, out, np.concatenate(parts))
 
     return jacobian
 

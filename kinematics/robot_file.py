@@ -118,7 +118,8 @@ def read_gear_error(file: Path) -> tuple[GearTerm, ...]:
 def _arm_and_gears(data: Mapping[str, Any], folder: Path) -> tuple[Arm, tuple[GearTerm, ...]]:
     refuse_unknown("the file", data, (*KEYS, "gear_error", *OF_CELL))
     arm, _ = arm_in(data, folder)
-    return arm, _gear_error(arm.robot, data.get("gear_error", []))
+    rows = enumerate(_tables("gear_error", data.get("gear_error", []), "gear_error"), 1)
+    return arm, tuple(gear_term(f"gear_error {k}", arm.robot, row) for k, row in rows)
 
 
 def arm_in(data: Mapping[str, Any], folder: Path) -> tuple[Arm, "UrdfArm | None"]:
@@ -153,10 +154,8 @@ def beside(folder: Path, name: str, given: Any) -> Path:
 def read_toml(file: Path, made: Callable[[Mapping[str, Any]], Content]) -> Content:
     """What is made of the tables of a TOML file.
 
-    Raises:
-        ValueError: the file is too large or no TOML, or `made` refuses it; the message begins with
-            the name of the file.
-        OSError: the file cannot be read.
+    Raises OSError, or ValueError that begins with the name of the file: it is too large or no TOML,
+    or `made` refuses it.
     """
     if file.exists() and not file.is_file():
         raise ValueError(f"{file} is no regular file")
@@ -180,16 +179,19 @@ def arm_of(data: Mapping[str, Any]) -> Arm:
     """Robot of the tables of a file. Raises ValueError or TypeError with the name of the field."""
     refuse_unknown("the file", data, KEYS)
     links = links_of("link", data.get("link"))
-    name, convention = data.get("name", "robot"), data.get("convention", "standard")
+    name, coupling, offset = data.get("name", "robot"), data.get("coupling"), data.get("offset")
     if not (isinstance(name, str) and name.isprintable() and 0 < len(name) <= 80):
         raise ValueError(f"name must be printable text of 1 to 80 characters, got {name!r}")
-    robot = Robot(
-        links,
-        _rows("coupling", data["coupling"]) if "coupling" in data else None,
-        _offset(data["offset"]) if "offset" in data else None,
-        _choice("convention", convention, Convention),
-        name,
-    )
+    if coupling is not None:
+        if not isinstance(coupling, list):
+            raise ValueError(f"coupling must be a list of rows, got {coupling!r}")
+        coupling = [numbers("coupling", row) for row in coupling]
+    if offset is not None:
+        offset = numbers("offset", offset)
+        for axis, value in enumerate(offset, 1):
+            check_unit(f"offset of axis {axis}", "theta", value)
+    convention = _choice("convention", data.get("convention", "standard"), Convention)
+    robot = Robot(links, coupling, offset, convention, name)
     if not robot.n_joints:
         raise ValueError("needs at least one link that is not fixed")
     return Arm(robot, _limits(robot, data.get("limits", {})))
@@ -199,17 +201,18 @@ def links_of(name: str, rows: Any) -> list[Link]:
     """Links of the tables [[name]]. Raises ValueError; the message names table and field."""
     if not isinstance(rows, list) or not rows:
         raise ValueError(f"needs at least one [[{name}]]")
-    return [_link(f"{name} {number}", row) for number, row in enumerate(rows, 1)]
-
-
-def _link(where: str, row: Any) -> Link:
-    if not isinstance(row, dict):
-        raise ValueError(f"{where} must be a table [[link]]")
-    refuse_unknown(where, row, _LINK)
-    numbers = {name: _number(f"{where}: {name}", row[name]) for name in _LINK[:4] if name in row}
-    for name, value in numbers.items():
-        check_unit(f"{where}: {name}", name, value)
-    return Link(**numbers, joint=_choice(f"{where}: joint", row.get("joint", "revolute"), Joint))
+    links = list[Link]()
+    for number, row in enumerate(rows, 1):
+        where = f"{name} {number}"
+        if not isinstance(row, dict):
+            raise ValueError(f"{where} must be a table [[link]]")
+        refuse_unknown(where, row, _LINK)
+        own = {key: _number(f"{where}: {key}", row[key]) for key in _LINK[:4] if key in row}
+        for key, value in own.items():
+            check_unit(f"{where}: {key}", key, value)
+        joint = _choice(f"{where}: joint", row.get("joint", "revolute"), Joint)
+        links.append(Link(**own, joint=joint))
+    return links
 
 
 def _limits(robot: Robot, data: Any, default: Limits | None = None) -> Limits:
@@ -231,10 +234,10 @@ def _limits(robot: Robot, data: Any, default: Limits | None = None) -> Limits:
         raise ValueError(f"limits: {error}") from error
 
 
-def _gear_error(robot: Robot, rows: Any) -> tuple[GearTerm, ...]:
+def _tables(name: str, rows: Any, key: str) -> list[dict[str, Any]]:
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
-        raise ValueError("gear_error must be tables [[gear_error]]")
-    return tuple(gear_term(f"gear_error {k}", robot, row) for k, row in enumerate(rows, 1))
+        raise ValueError(f"{name} must be tables [[{key}]]")
+    return rows
 
 
 def gear_term(where: str, robot: Robot, row: Mapping[str, Any]) -> GearTerm:
@@ -249,10 +252,8 @@ def gear_term(where: str, robot: Robot, row: Mapping[str, Any]) -> GearTerm:
 
 
 def _coupled(rows: Any) -> tuple[CoupledRange, ...]:
-    if not (isinstance(rows, list) and all(isinstance(row, dict) for row in rows)):
-        raise ValueError("limits: coupled must be tables [[limits.coupled]]")
     found = list[CoupledRange]()
-    for number, row in enumerate(rows, 1):
+    for number, row in enumerate(_tables("limits: coupled", rows, "limits.coupled"), 1):
         where = f"limits: coupled {number}"
         refuse_unknown(where, row, _COUPLED)
         if missing := [name for name in _COUPLED if name not in row]:
@@ -270,37 +271,20 @@ def numbers(name: str, values: Any) -> list[float]:
     return [_number(name, value) for value in values]
 
 
-def _offset(values: Any) -> list[float]:
-    found = numbers("offset", values)
-    for axis, value in enumerate(found, 1):
-        check_unit(f"offset of axis {axis}", "theta", value)
-    return found
-
-
-def _rows(name: str, values: Any) -> list[list[float]]:
-    """Rows of a matrix. Raises ValueError with the name."""
-    if not isinstance(values, list):
-        raise ValueError(f"{name} must be a list of rows, got {values!r}")
-    return [numbers(name, row) for row in values]
-
-
 def _number(name: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ValueError(f"{name} must be a number, got {value!r}")
     if isinstance(value, str):
-        value = _evaluated(name, value)
+        from .expressions.grammar import parse
+
+        try:
+            value = float(parse(value))
+        except (ValueError, TypeError):
+            wanted = f"a number or text such as '-pi/2', got {value!r}"
+            raise ValueError(f"{name} must be {wanted}") from None
     if not abs(value) < 1e6:
         raise ValueError(f"{name} must be a number below 1e6, got {value}")
     return float(value)
-
-
-def _evaluated(name: str, text: str) -> float:
-    from .expressions.grammar import parse
-
-    try:
-        return float(parse(text))
-    except (ValueError, TypeError):
-        raise ValueError(f"{name} must be a number or text such as '-pi/2', got {text!r}") from None
 
 
 def _choice(name: str, value: Any, kind: Any) -> Any:
@@ -346,9 +330,9 @@ def link_tables(
     tables = list[dict[str, Any]]()
     for link in links:
         given = {name: float(getattr(link, name)) for name in _LINK[:4]}
-        own: dict[str, Any] = {name: shown(value) for name, value in given.items() if value}
-        moved = {} if link.joint is Joint.REVOLUTE else {"joint": link.joint.value}
-        tables.append(own | moved)
+        tables.append({name: shown(value) for name, value in given.items() if value})
+        if link.joint is not Joint.REVOLUTE:
+            tables[-1]["joint"] = link.joint.value
     return tables
 
 
@@ -368,13 +352,7 @@ _KEYS = ("version", "robot", "motors", "gear_error")
 
 
 def read_gear_file(file: Path, robot: Robot) -> tuple[GearTerm, ...]:
-    """Terms of a gear-error file of this robot.
-
-    Raises:
-        ValueError: the file is not as described above, or is of another robot; the message begins
-            with the name of the file.
-        OSError: the file cannot be read.
-    """
+    """Terms of a gear-error file of this robot. Raises as `read_robot`, also for another robot."""
     return read_toml(file, lambda data: _terms(data, robot))
 
 
@@ -402,16 +380,13 @@ def _terms(data: Mapping[str, Any], robot: Robot) -> tuple[GearTerm, ...]:
         raise ValueError(f"is of robot {name!r}, not of {robot.name!r}")
     if (motors := data.get("motors")) != robot.n_joints:
         raise ValueError(f"motors must be {robot.n_joints}, got {motors!r}")
-    rows = data["gear_error"]
-    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
-        raise ValueError("gear_error must be tables [[gear_error]]")
-    return tuple(_term(f"gear_error {k}", robot, row) for k, row in enumerate(rows, 1))
-
-
-def _term(where: str, robot: Robot, row: Mapping[str, Any]) -> GearTerm:
-    refuse_unknown(where, row, (*GearTerm._fields, *DEVIATIONS))
-    term = gear_term(where, robot, {name: row[name] for name in GearTerm._fields if name in row})
-    for name, most in (("order", LARGEST_ORDER), ("amplitude", LARGEST_AMPLITUDE)):
-        if abs(value := getattr(term, name)) > most:
-            raise ValueError(f"{where}: {name} must be at most {most:g}, got {value:g}")
-    return term
+    terms = list[GearTerm]()
+    for number, row in enumerate(_tables("gear_error", data["gear_error"], "gear_error"), 1):
+        where = f"gear_error {number}"
+        refuse_unknown(where, row, (*GearTerm._fields, *DEVIATIONS))
+        own = {name: value for name, value in row.items() if name not in DEVIATIONS}
+        terms.append(gear_term(where, robot, own))
+        for name, most in (("order", LARGEST_ORDER), ("amplitude", LARGEST_AMPLITUDE)):
+            if abs(value := getattr(terms[-1], name)) > most:
+                raise ValueError(f"{where}: {name} must be at most {most:g}, got {value:g}")
+    return tuple(terms)

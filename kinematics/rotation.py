@@ -34,29 +34,27 @@ HALF_TURN = 1e-15
 """[rad] An angle this near to pi is a half turn, whose axis has either sign."""
 
 
-def _rotation(R: ArrayLike) -> "Rotation":
+def _scipy() -> "type[Rotation]":
     from scipy.spatial.transform import Rotation
 
+    return Rotation
+
+
+def _rotation(R: ArrayLike) -> "Rotation":
     R = real_array("R", R, 3, 3)
     orthogonal = np.allclose(np.swapaxes(R, -1, -2) @ R, np.eye(3), rtol=0, atol=ORTHOGONAL)
     if not orthogonal or (np.linalg.det(R) < 0).any():
         raise ValueError("R must be a rotation: orthogonal, with determinant +1, and finite")
-    return Rotation.from_matrix(R)
-
-
-def _matrix(R: ArrayLike) -> Array:
-    return np.asarray(_rotation(R).as_matrix(), dtype=np.float64)
+    return _scipy().from_matrix(R)
 
 
 def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
     """R_{k,theta}, from an axis of any length and an angle [rad]. Thesis (3.9)."""
-    from scipy.spatial.transform import Rotation
-
     scaled = _scaled("axis", axis, 3)
     unit = scaled / np.linalg.norm(scaled, axis=-1, keepdims=True)
     angle = finite_array("angle", angle)
     angle = np.where(np.abs(angle) > 2 * np.pi, np.remainder(angle, 2 * np.pi), angle)
-    return Rotation.from_rotvec(unit * angle[..., None]).as_matrix()
+    return _scipy().from_rotvec(unit * angle[..., None]).as_matrix()
 
 
 def _scaled(name: str, vector: ArrayLike, size: int) -> Array:
@@ -90,14 +88,12 @@ def axis_angle_singular(R: ArrayLike) -> NDArray[np.bool_]:
 
 def from_euler_zyz(angles: ArrayLike) -> Array:
     """R_z(phi) R_y(theta) R_z(psi), angles (..., 3) = (phi, theta, psi). Thesis (3.10)."""
-    from scipy.spatial.transform import Rotation
-
-    return Rotation.from_euler("ZYZ", finite_array("angles", angles, 3)).as_matrix()
+    return _scipy().from_euler("ZYZ", finite_array("angles", angles, 3)).as_matrix()
 
 
 def to_euler_zyz(R: ArrayLike) -> Array:
     """(phi, theta, psi) with theta in [0, pi]."""
-    R = _matrix(R)
+    R = np.asarray(_rotation(R).as_matrix(), dtype=np.float64)
     sine = np.hypot(R[..., 0, 2], R[..., 1, 2])
     phi, c, s = _first_angle(R, R[..., 1, 2], R[..., 0, 2], sine)
     psi = np.arctan2(c * R[..., 1, 0] - s * R[..., 0, 0], c * R[..., 1, 1] - s * R[..., 0, 1])
@@ -124,14 +120,12 @@ def euler_zyz_singular(R: ArrayLike) -> NDArray[np.bool_]:
 
 def from_roll_pitch_yaw(angles: ArrayLike) -> Array:
     """R_z(roll) R_y(pitch) R_x(yaw), angles (..., 3) = (roll, pitch, yaw). Thesis (3.11)."""
-    from scipy.spatial.transform import Rotation
-
-    return Rotation.from_euler("ZYX", finite_array("angles", angles, 3)).as_matrix()
+    return _scipy().from_euler("ZYX", finite_array("angles", angles, 3)).as_matrix()
 
 
 def to_roll_pitch_yaw(R: ArrayLike) -> Array:
     """(roll, pitch, yaw) with pitch in [-pi/2, pi/2]."""
-    R = _matrix(R)
+    R = np.asarray(_rotation(R).as_matrix(), dtype=np.float64)
     cosine = np.hypot(R[..., 0, 0], R[..., 1, 0])
     roll, c, s = _first_angle(R, R[..., 1, 0], R[..., 0, 0], cosine)
     yaw = np.arctan2(s * R[..., 0, 2] - c * R[..., 1, 2], c * R[..., 1, 1] - s * R[..., 0, 1])
@@ -147,9 +141,7 @@ def roll_pitch_yaw_singular(R: ArrayLike) -> NDArray[np.bool_]:
 
 def from_quaternion(q: ArrayLike) -> Array:
     """R of a quaternion of any length, shape (..., 4), w first. Thesis (3.14)."""
-    from scipy.spatial.transform import Rotation
-
-    return Rotation.from_quat(_scaled("quaternion", q, 4), scalar_first=True).as_matrix()
+    return _scipy().from_quat(_scaled("quaternion", q, 4), scalar_first=True).as_matrix()
 
 
 def to_quaternion(R: ArrayLike) -> Array:
@@ -171,8 +163,8 @@ def slerp(q_start: ArrayLike, q_end: ArrayLike, s: ArrayLike) -> Array:
     Args:
         s: shape (N,), each in [0, 1], from the start to the end.
     """
-    from scipy.spatial.transform import Rotation, Slerp
+    from scipy.spatial.transform import Slerp
 
     quaternions = _scaled("quaternion", np.array([q_start, q_end], dtype=np.float64), 4)
-    ends = Rotation.from_quat(quaternions, scalar_first=True)
+    ends = _scipy().from_quat(quaternions, scalar_first=True)
     return Slerp([0.0, 1.0], ends)(np.atleast_1d(s)).as_quat(canonical=True, scalar_first=True)

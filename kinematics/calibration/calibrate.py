@@ -35,8 +35,6 @@ def corrected(model: ErrorModel, errors: Array) -> Robot:
     return Robot(links, robot.coupling, robot.offset, name=f"{robot.name} calibrated")
 
 
-FITTED = 0.5
-"""Default fraction of the poses that is fitted; the others are held out."""
 TRIED = (0, 2, 40)
 """Orders up to which harmonics of each joint are tried, beside compliance."""
 EXPLAINED = 0.5
@@ -52,8 +50,8 @@ OUTLYING = 5.0
 class CalibrationCfg:
     """Choices of a calibration."""
 
-    fraction: float = FITTED
-    """Fraction of the poses that is fitted."""
+    fraction: float = 0.5
+    """Fraction of the poses that is fitted; the others are held out."""
     poses: int | None = None
     """Number of poses to fit, in place of the fraction."""
     in_order: bool = False
@@ -159,11 +157,7 @@ def calibrate(
 def prepare(
     arm: Arm, data: Measurements, cfg: CalibrationCfg = CalibrationCfg(), *, seed: int = 0
 ) -> Prepared:
-    """Check and split the measurements, and choose what they determine.
-
-    Raises:
-        ValueError: the measurements cannot be of this arm, or do not determine what is asked for.
-    """
+    """Check and split the measurements, and choose what they determine; raises as `calibrate`."""
     check(arm.robot, arm.limits, data)
     rng = np.random.default_rng(seed)
     n_unique = int(unique_poses(data.phi).max()) + 1
@@ -184,7 +178,8 @@ def fit_prepared(prepared: Prepared) -> Calibration:
     held_out, found = prepared.held_out, prepared.found
     nominal = fit(model, fitted, Choice(), cfg.priors)
     geometry = fit(model, fitted, Choice(found.geometry), cfg.priors)
-    priors = _with_noise(cfg.priors, geometry.noise)
+    # Noise of fits with joint errors, by that of the geometry: their own would shrink to zero.
+    priors = replace(cfg.priors, noise=cfg.priors.noise or EXPLAINED * geometry.noise)
     errors = cfg.joint_errors
     if errors is None:
         errors = _chosen_errors(model, fitted, found.geometry, priors, prepared.rng)
@@ -194,11 +189,6 @@ def fit_prepared(prepared: Prepared) -> Calibration:
     where = region(full, geometry)
     inside = where.contains(held_out.phi)
     return Calibration(fitted, held_out, found, nominal, geometry, full, where, inside)
-
-
-def _with_noise(priors: Priors, noise: float) -> Priors:
-    """Noise for fits with joint errors, by that of the geometry: their own would shrink to zero."""
-    return priors if priors.noise else replace(priors, noise=EXPLAINED * noise)
 
 
 def _chosen_errors(

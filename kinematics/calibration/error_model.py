@@ -12,14 +12,15 @@ derived or compiled for a particular arm.
 from dataclasses import dataclass
 from functools import cache, cached_property
 from math import pi
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from armside.arrays import Array
 
-from ..cache import native_function, native_module
+from ..cache import native_function
+from ..compiled import CompiledFunction
 from ..dh import Joint, Link, Robot
 from ..rigid import standard_links
 
@@ -51,7 +52,7 @@ class Section(NamedTuple):
 
 
 @cache
-def _function() -> Any:
+def _function() -> CompiledFunction:
     robot = Robot(_SECTION, name="section with errors")
 
     def program() -> "StraightLineProgram":
@@ -59,14 +60,8 @@ def _function() -> Any:
 
         return pose_and_jacobian(robot)
 
-    module = native_module("pose_and_jacobian", robot.key, program)
-    return native_function(module, (SIZE,), (16 + 6 * SIZE,))
-
-
-def sections(variables: Array) -> Section:
-    """Sections of parameters (N, 6)."""
-    both = _function()(np.ascontiguousarray(variables))
-    return Section(both[:, :16].reshape(-1, 4, 4), both[:, 16:].reshape(-1, 6, SIZE))
+    size = 16 + 6 * SIZE
+    return native_function("pose_and_jacobian", robot.key, program, (SIZE,), (size,))
 
 
 def joined(sections: list[Section]) -> Section:
@@ -125,9 +120,9 @@ class ErrorModel:
     @cached_property
     def joints(self) -> NDArray[np.intp]:
         """Place of the parameter that each joint variable is added to: theta_i, or d_i."""
-        kinds = {Joint.REVOLUTE: "theta", Joint.PRISMATIC: "d"}
-        moving = [(i, link) for i, link in enumerate(self._links, 1) if link.moves]
-        return np.array([self.index(f"{kinds[link.joint]}_{i}") for i, link in moving])
+        moving = [i for i, link in enumerate(self._links, 1) if link.moves]
+        pairs = zip(moving, self.robot.slides, strict=True)
+        return np.array([self.index(f"{'d' if slides else 'theta'}_{i}") for i, slides in pairs])
 
     def variables(self, phi: Array, errors: Array) -> Array:
         """Joint variables of the longer robot, (N, E), of motor angles (N, n) and errors (E,)."""
@@ -143,8 +138,8 @@ class ErrorModel:
         for i, columns in enumerate(of_section):
             own[:, i, columns] += variables[:, first : first + len(columns)]
             first += len(columns)
-        T, J = sections(own.reshape(-1, SIZE))
-        T, J = T.reshape(n, -1, 4, 4), J.reshape(n, -1, 6, SIZE)
+        both = _function()(own.reshape(-1, SIZE))
+        T, J = both[:, :16].reshape(n, -1, 4, 4), both[:, 16:].reshape(n, -1, 6, SIZE)
         parts = enumerate(of_section)
         return joined([Section(T[:, i], J[:, i][:, :, columns]) for i, columns in parts])
 

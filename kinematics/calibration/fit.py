@@ -6,8 +6,8 @@ keeps a bounded pull and is not dropped. The Hessian is that of Gauss and Newton
 blocks of configurations, so that memory does not grow with their number.
 """
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -87,11 +87,6 @@ class Problem:
     """(N, K) Functions of the joint errors at the configurations."""
 
     @property
-    def n_errors(self) -> int:
-        """Number of error parameters that are fitted."""
-        return len(self.columns)
-
-    @property
     def names(self) -> list[str]:
         """Names of the fitted parameters."""
         targets = [f"target_{t}_{a}" for t in range(1, 1 + len(self.targets)) for a in AXES]
@@ -113,16 +108,11 @@ class State(NamedTuple):
 def unpack(problem: Problem, x: Array) -> State:
     """State of scaled parameters x (P,)."""
     value = x * problem.scale
-    n, m = problem.n_errors, problem.n_errors + problem.targets.size
+    n = len(problem.columns)
+    m = n + problem.targets.size
     errors = np.zeros(len(problem.model.names))
     errors[list(problem.columns)] = value[:n]
     return State(errors, problem.targets + value[n:m].reshape(-1, 3), value[m:])
-
-
-def predicted(model: ErrorModel, state: State, joint_errors: JointErrors, phi: Array) -> Array:
-    """Points of the targets, (N, T, 3), in the registered base frame."""
-    T, _ = _kinematics(model, state, joint_errors, phi, joint_errors.values(model.robot, phi))
-    return T[:, None, :3, 3] + np.einsum("nij,tj->nti", T[:, :3, :3], state.targets)
 
 
 def _kinematics(
@@ -156,9 +146,8 @@ def residuals_and_jacobian(problem: Problem, x: Array, rows: slice) -> tuple[Arr
     if data.rotation is not None:
         turned = data.rotation[rows] @ np.swapaxes(R, 1, 2)
         ratio = FIRST_NOISE / ROTATION_NOISE
-        r = np.concatenate(
-            [r, ratio * np.asarray(Rotation.from_matrix(turned).as_rotvec())[:, None]], axis=1
-        )
+        turn = np.asarray(Rotation.from_matrix(turned).as_rotvec())
+        r = np.concatenate([r, ratio * turn[:, None]], axis=1)
         by_error = np.concatenate([by_error, ratio * w[:, None]], axis=1)
     by_target = np.zeros((*r.shape, len(state.targets), 3))
     for t in range(len(state.targets)):
@@ -170,10 +159,6 @@ def residuals_and_jacobian(problem: Problem, x: Array, rows: slice) -> tuple[Arr
         moved: Any = np.swapaxes(by_error[:, :, own], 2, 3)
         parts.append(moved * functions[:, None, None])
     return r, np.asarray(np.concatenate(parts, axis=3) * problem.scale)
-
-
-def _blocks(n: int) -> Iterator[slice]:
-    return (slice(i, min(i + BLOCK, n)) for i in range(0, n, BLOCK))
 
 
 class Normal(NamedTuple):
@@ -188,11 +173,10 @@ class Normal(NamedTuple):
 
 def normal_equations(problem: Problem, x: Array, noise: float) -> Normal:
     """Negative logarithm of the posterior and its derivatives at scaled parameters x."""
-    n = len(problem.data)
     cost, gradient, hessian = 0.5 * float(x @ x), x.copy(), np.eye(len(x))
     lengths = []
-    for rows in _blocks(n):
-        r, J = residuals_and_jacobian(problem, x, rows)
+    for first in range(0, len(problem.data), BLOCK):
+        r, J = residuals_and_jacobian(problem, x, slice(first, first + BLOCK))
         length = np.linalg.norm(r, axis=2)
         lengths.append(length)
         seen = np.isfinite(length)
@@ -201,16 +185,13 @@ def normal_equations(problem: Problem, x: Array, noise: float) -> Normal:
         root = np.sqrt(1.0 + s)
         flat = J.reshape(-1, len(x))
         gradient -= flat.T @ (r / (root * noise**2)[:, None]).ravel()
-        curved = _curvature_root(r, root) / (np.sqrt(root) * noise)[:, None, None]
+        # Square roots (n, 3, 3) of the loss's curvature over its slope: 1 across r, less along it.
+        unit = r / np.maximum(np.linalg.norm(r, axis=1), np.finfo(float).tiny)[:, None]
+        along = (1.0 / root - 1.0)[:, None, None] * (unit[:, :, None] * unit[:, None])
+        curved = (np.eye(3) + along) / (np.sqrt(root) * noise)[:, None, None]
         flat = (curved @ J).reshape(-1, len(x))
         hessian += flat.T @ flat
     return Normal(cost, gradient, hessian, np.concatenate(lengths))
-
-
-def _curvature_root(r: Array, root: Array) -> Array:
-    """Square roots (n, 3, 3) of the loss's curvature over its slope: 1 across r, less along it."""
-    unit = r / np.maximum(np.linalg.norm(r, axis=1), np.finfo(float).tiny)[:, None]
-    return np.eye(3) + (1.0 / root - 1.0)[:, None, None] * (unit[:, :, None] * unit[:, None])
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,9 +220,11 @@ class Fit:
 
     def residuals(self, data: Measurements) -> Array:
         """Measured less predicted points (N, T, 3) [m], in the axes of the robot's base."""
+        model, errors, state = self.problem.model, self.problem.choice.joint_errors, self.state
         own = in_base(self.registration, data)
-        errors = self.problem.choice.joint_errors
-        return own.points - predicted(self.problem.model, self.state, errors, own.phi)
+        T, _ = _kinematics(model, state, errors, own.phi, errors.values(model.robot, own.phi))
+        points = T[:, None, :3, 3] + np.einsum("nij,tj->nti", T[:, :3, :3], state.targets)
+        return own.points - points
 
 
 def in_base(registration: Registration, data: Measurements) -> Measurements:
@@ -283,7 +266,10 @@ def fit(
 def _minimum(problem: Problem, x: Array, noise: float) -> Array:
     from scipy.optimize import minimize
 
-    at = _Remembered(lambda x: normal_equations(problem, x, noise))
+    @lru_cache(maxsize=1)  # cost, gradient and Hessian come from one pass
+    def normal(content: bytes) -> Normal:
+        return normal_equations(problem, np.frombuffer(content), noise)
+
     last = np.inf
 
     def ended(intermediate_result: "OptimizeResult") -> None:
@@ -293,27 +279,15 @@ def _minimum(problem: Problem, x: Array, noise: float) -> Array:
             raise StopIteration
 
     found = minimize(
-        lambda x: (at(x).cost, at(x).gradient),
+        lambda x: normal(x.tobytes())[:2],
         x,
         jac=True,
-        hess=lambda x: at(x).hessian,
+        hess=lambda x: normal(x.tobytes()).hessian,
         method="trust-exact",
         callback=ended,
         options={"initial_trust_radius": 1.0, "max_trust_radius": 1e4, "gtol": CONVERGED},
     )
     return found.x
-
-
-class _Remembered:
-    """Function that keeps its last value: cost, gradient and Hessian come from one pass."""
-
-    def __init__(self, function: Callable[[Array], Normal]) -> None:
-        self.function, self.x, self.value = function, np.empty(0), None
-
-    def __call__(self, x: Array) -> Normal:
-        if self.value is None or not np.array_equal(x, self.x):
-            self.x, self.value = x.copy(), self.function(x)
-        return self.value
 
 
 def _noise(problem: Problem, x: Array, noise: float) -> float:

@@ -36,20 +36,17 @@ class JointErrors(NamedTuple):
         return [i - 1 for i, _ in self._list(robot)]
 
     def _list(self, robot: Robot) -> list[tuple[int, str]]:
-        moving = [link.joint for link in robot.links if link.moves]
-        turning = [i for i, joint in enumerate(moving, 1) if joint is Joint.REVOLUTE]
+        turning = [i for i, slides in enumerate(robot.slides, 1) if not slides]
         orders = range(1, self.harmonics + 1)
         named = [(i, f"{f} {m}") for i in turning for f in ("sin", "cos") for m in orders]
         if self.compliance:
-            last = len(moving)
-            named += [(i, f"sag {k}") for i in turning for k in range(i + 1, last + 2)]
+            last = robot.n_joints + 2
+            named += [(i, f"sag {k}") for i in turning for k in range(i + 1, last)]
         return named
 
     def values(self, robot: Robot, phi: Array) -> Array:
         """Functions at motor angles phi (N, n), shape (N, K)."""
-        q = robot.joint_variables(phi)
-        moving = [link.joint for link in robot.links if link.moves]
-        turning = [i for i, joint in enumerate(moving) if joint is Joint.REVOLUTE]
+        q, turning = robot.joint_variables(phi), np.flatnonzero(~np.array(robot.slides)).tolist()
         orders = np.arange(1, self.harmonics + 1)
         parts = [f(np.outer(q[:, i], orders)) for i in turning for f in (np.sin, np.cos)]
         if self.compliance:
@@ -59,27 +56,21 @@ class JointErrors(NamedTuple):
 
 def gravity_torques(robot: Robot, q: Array, turning: list[int]) -> Array:
     """Torques of 1 kg at the origin of each joint frame after joint i and of the tool, (N, K)."""
-    axes, origins = joint_frames(robot, q)
-    down = np.array([0.0, 0.0, -G])
-    torques = [
-        np.einsum("ni,ni->n", axes[:, i], np.cross(origins[:, k] - origins[:, i], down))
-        for i in turning
-        for k in range(i + 1, origins.shape[1])
-    ]
-    return np.stack(torques, axis=1)
-
-
-def joint_frames(robot: Robot, q: Array) -> tuple[Array, Array]:
-    """Axes (N, n, 3) and origins (N, n + 1, 3) of the joints, in base axes; last is the tool."""
     T = np.tile(np.eye(4), (len(q), 1, 1))
     axes, origins, variables = [], [], iter(q.T)
     for link in standard_links(robot):
         if link.moves:
-            axes.append(T[:, :3, 2].copy())
-            origins.append(T[:, :3, 3].copy())
+            axes.append(T[:, :3, 2])
+            origins.append(T[:, :3, 3])
         T = T @ _transforms(link, next(variables) if link.moves else np.zeros(len(q)))
     origins.append(T[:, :3, 3])
-    return np.stack(axes, axis=1), np.stack(origins, axis=1)
+    down = np.array([0.0, 0.0, -G])
+    torques = [
+        np.einsum("ni,ni->n", axes[i], np.cross(origins[k] - origins[i], down))
+        for i in turning
+        for k in range(i + 1, len(origins))
+    ]
+    return np.stack(torques, axis=1)
 
 
 def _transforms(link: Link, variable: Array) -> Array:

@@ -124,6 +124,8 @@ class Registration(NamedTuple):
 
 def register(T_base_tool: Array, data: Measurements) -> Registration:
     """Registration of nominal poses (N, 4, 4) with what was measured, by least squares."""
+    from scipy.spatial.transform import Rotation
+
     R_tool, p_tool = T_base_tool[:, :3, :3], T_base_tool[:, :3, 3]
     seen = np.asarray(np.isfinite(data.points).all(axis=2))
     targets = np.zeros((data.n_targets, 3))
@@ -131,10 +133,15 @@ def register(T_base_tool: Array, data: Measurements) -> Registration:
     for _ in range(TURNS):
         nominal = p_tool[:, None] + np.einsum("nij,tj->nti", R_tool, targets)
         R, p = procrustes(nominal[seen], data.points[seen])
-        before, targets = targets, _targets(R_tool, p_tool, (data.points - p) @ R, seen)
+        before, in_base = targets, (data.points - p) @ R
+        local = np.einsum("nji,ntj->nti", R_tool, in_base - p_tool[:, None])
+        targets = np.stack([local[own, t].mean(axis=0) for t, own in enumerate(seen.T)])
         if np.abs(targets - before).max() < SETTLED:
             break
-    return Registration(R, p, targets, _tool_rotation(R_tool, R, data))
+    if data.rotation is None:
+        return Registration(R, p, targets, np.eye(3))
+    measured = Rotation.from_matrix(np.swapaxes(R_tool, 1, 2) @ R.T @ data.rotation)
+    return Registration(R, p, targets, measured.mean().as_matrix())
 
 
 def procrustes(source: Array, goal: Array) -> tuple[Array, Array]:
@@ -143,18 +150,3 @@ def procrustes(source: Array, goal: Array) -> tuple[Array, Array]:
     u, _, vt = np.linalg.svd((goal - b).T @ (source - a))
     R = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
     return R, b - R @ a
-
-
-def _targets(R_tool: Array, p_tool: Array, in_base: Array, seen: NDArray[np.bool_]) -> Array:
-    """Mean of each target in the tool frame."""
-    local = np.einsum("nji,ntj->nti", R_tool, in_base - p_tool[:, None])
-    return np.stack([local[seen[:, t], t].mean(axis=0) for t in range(local.shape[1])])
-
-
-def _tool_rotation(R_tool: Array, R: Array, data: Measurements) -> Array:
-    from scipy.spatial.transform import Rotation
-
-    if data.rotation is None:
-        return np.eye(3)
-    measured = np.swapaxes(R_tool, 1, 2) @ R.T @ data.rotation
-    return Rotation.from_matrix(measured).mean().as_matrix()

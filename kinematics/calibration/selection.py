@@ -10,6 +10,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..dh import Limits
+from ..regressor import independent_columns
 from .error_model import DH, ErrorModel
 from .fit import (
     Choice,
@@ -37,13 +38,6 @@ class Dependence(NamedTuple):
     same_as: tuple[str, ...]
 
 
-class Independent(NamedTuple):
-    """Columns in order that are linearly independent, and the others."""
-
-    columns: list[int]
-    dependent: list[Dependence]
-
-
 class Spectrum(NamedTuple):
     """Singular values of an identification Jacobian with columns of equal norm."""
 
@@ -59,35 +53,23 @@ class Spectrum(NamedTuple):
         return float(self.values[self.rank - 1])
 
 
-def independent(J: Array, names: list[str]) -> Independent:
-    """Greedy choice of columns of J (rows, P): each is taken unless the earlier ones explain it."""
+def _normalised(J: Array) -> Array:
+    """Triangular factor of J (rows, P) with columns of length 1: their inner products in P rows."""
     length = np.linalg.norm(J, axis=0)
-    # The triangular factor has the same inner products in at most P rows.
-    R: Array = np.asarray(np.linalg.qr(J / np.where(length > 0.0, length, 1.0), mode="r"))
-    basis = np.empty((len(R), 0))
-    chosen: list[int] = []
-    dependent: list[Dependence] = []
-    for i, column in enumerate(R.T):
-        rest = column - basis @ (basis.T @ column)
-        rest -= basis @ (basis.T @ rest)  # a second pass keeps the basis orthogonal
-        if (left := np.linalg.norm(rest)) > DEPENDENT:
-            chosen.append(i)
-            basis = np.column_stack([basis, rest / left])
-        else:
-            weight = np.linalg.lstsq(R[:, chosen], column, rcond=None)[0]
-            same = np.abs(weight) > 1e-3 * max(np.abs(weight).max(initial=0.0), 1e-6)
-            with_effect = tuple(
-                names[k] for k, is_part in zip(chosen, same, strict=True) if is_part
-            )
-            dependent.append(Dependence(names[i], with_effect))
-    return Independent(chosen, dependent)
+    return np.asarray(np.linalg.qr(J / np.where(length > 0.0, length, 1.0), mode="r"))
+
+
+def _dependence(R: Array, names: list[str], index: int, earlier: list[int]) -> Dependence:
+    """What a column is explained by, of those chosen before it."""
+    weight = np.linalg.lstsq(R[:, earlier], R[:, index], rcond=None)[0]
+    same = np.abs(weight) > 1e-3 * max(np.abs(weight).max(initial=0.0), 1e-6)
+    parts = zip(earlier, same, strict=True)
+    return Dependence(names[index], tuple(names[k] for k, is_part in parts if is_part))
 
 
 def spectrum(J: Array, names: list[str]) -> Spectrum:
     """Rank and singular values of J (rows, P), each column divided by its norm."""
-    length = np.linalg.norm(J, axis=0)
-    R = np.asarray(np.linalg.qr(J / np.where(length > 0.0, length, 1.0), mode="r"))
-    _, values, vt = np.linalg.svd(R)
+    _, values, vt = np.linalg.svd(_normalised(J))
     values = values / values[0]
     rank = int((values > DEPENDENT).sum())
     direction = np.abs(vt[rank - 1])
@@ -125,26 +107,23 @@ def identifiable(
         if name.startswith(("base_", "tool_")):
             raise ValueError(f"{name} is always fitted: name parameters of links alone")
         model.index(name)
-    J, names = identification_jacobian(model, data, link_parameters(model))
+    dh = [name for name in model.names if name.rpartition("_")[0] in DH]
+    links = (*dh, *(name for name in model.names if name.startswith("beta_")))
+    J, names = identification_jacobian(model, data, links)
     if wanted:
-        kept = [i for i, name in enumerate(names) if name in wanted or name not in model.names]
-        kept += [i for i, name in enumerate(names) if name.startswith(("base_", "tool_"))]
-        J, names = J[:, sorted(set(kept))], [names[i] for i in sorted(set(kept))]
-    found = independent(J, names)
-    if wanted and found.dependent:
-        name, same = found.dependent[0]
+        kept = [i for i, name in enumerate(names) if name in wanted or name not in links]
+        J, names = J[:, kept], [names[i] for i in kept]
+    R = _normalised(J)
+    columns = independent_columns(R, DEPENDENT)
+    others = [i for i in range(len(names)) if i not in columns]
+    redundant = [_dependence(R, names, i, [k for k in columns if k < i]) for i in others]
+    if wanted and redundant:
+        name, same = redundant[0]
         text = f"{name} cannot be told from {', '.join(same) or 'no effect at all'} in these poses"
         raise ValueError(f"redundant parameters: {text}; leave one out")
-    chosen = [names[i] for i in found.columns]
-    links = tuple(name for name in chosen if name in link_parameters(model))
-    whole = spectrum(J, names)
-    return Identifiable(links, found.dependent, whole, spectrum(J[:, found.columns], chosen))
-
-
-def link_parameters(model: ErrorModel) -> tuple[str, ...]:
-    """Error parameters of the links: theta_i, d_i, a_i, alpha_i from the base on, then beta_i."""
-    dh = [name for name in model.names if name.rpartition("_")[0] in DH]
-    return (*dh, *(name for name in model.names if name.startswith("beta_")))
+    chosen = [names[i] for i in columns]
+    geometry = tuple(name for name in chosen if name in links)
+    return Identifiable(geometry, redundant, spectrum(J, names), spectrum(J[:, columns], chosen))
 
 
 def identification_jacobian(

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from enum import Enum
 
 from ..equations.program import StraightLineProgram
-from .languages import c_files, fortran_files, latex_files, matlab_files, python_files
+from .languages import c_files, fortran_files, latex_files, matlab_files
 from .languages import numba_module as numba_module
 from .printing import distinct
 
@@ -27,7 +27,7 @@ _WRITERS: dict[Language, Callable[[StraightLineProgram, str], dict[str, str]]] =
     Language.C: c_files,
     Language.MATLAB: matlab_files,
     Language.FORTRAN: fortran_files,
-    Language.PYTHON: python_files,
+    Language.PYTHON: lambda program, name: {f"{name}.py": numba_module(program, name)},
     Language.LATEX: latex_files,
 }
 

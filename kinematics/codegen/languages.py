@@ -13,7 +13,7 @@ import sympy as sp
 from armside.arrays import Array
 
 from ..equations.program import Argument, StraightLineProgram
-from .printing import Printer, distinct, header, input_elements, step_lines, subscripts
+from .printing import Printer, distinct, header, input_elements, output_lines, step_lines
 
 
 def c_files(program: StraightLineProgram, name: str) -> dict[str, str]:
@@ -23,8 +23,7 @@ def c_files(program: StraightLineProgram, name: str) -> dict[str, str]:
     signature = f"void {name}({', '.join(arguments)})"
     comment = "\n".join(f" * {line}".rstrip() for line in header(program, name))
     comment = f"/*\n{comment}\n * matrices are row by row\n */\n"
-    expressions = [e for _, e in program.steps] + [e for b in program.outputs for e in b.elements]
-    used = set().union(*(e.free_symbols for e in expressions))
+    used = set().union(*(e.free_symbols for e in program.computed))
     lines = [
         f"    const double {symbol} = {argument}[{i}];"
         for symbol, argument, i in input_elements(program)
@@ -76,11 +75,8 @@ def fortran_files(program: StraightLineProgram, name: str) -> dict[str, str]:
     lines += [f"  real(dp) :: {symbol}" for symbol in symbols]
     lines += [f"  {symbol} = {argument}({i + 1})" for symbol, argument, i in inputs]
     lines += step_lines(program, printer, "  {} = {}")
-    lines += [
-        f"  {b.name}({index}) = {printer.doprint(element)}"
-        for b in program.outputs
-        for index, element in zip(subscripts(b.shape, 1), b.elements, strict=True)
-    ]
+    for b in program.outputs:
+        lines += output_lines(b, printer, "  {}({}) = {}", 1)
     lines.append(f"end subroutine {name}")
     return {f"{name}.f90": "\n".join(map(_continued, lines)) + "\n"}
 
@@ -112,11 +108,8 @@ def matlab_files(program: StraightLineProgram, name: str) -> dict[str, str]:
     for b in program.outputs:
         rows, columns = (*b.shape, 1)[:2]
         lines.append(f"  {b.name} = zeros({rows}, {columns});")
-        lines += [
-            f"  {b.name}({index}) = {printer.doprint(element)};"
-            for index, element in zip(subscripts((rows, columns), 1), b.elements, strict=True)
-            if element != 0
-        ]
+        elements = output_lines(b._replace(shape=(rows, columns)), printer, "  {}({}) = {};", 1)
+        lines += [line for line, e in zip(elements, b.elements, strict=True) if e != 0]
     return {f"{name}.m": "\n".join([*lines, "end", ""])}
 
 
@@ -134,14 +127,6 @@ def latex_files(program: StraightLineProgram, name: str) -> dict[str, str]:
 class PythonPrinter(Printer):
     def _sign_of(self, x: str) -> str:
         return f"(1.0 if {x} > 0 else -1.0 if {x} < 0 else {x})"
-
-
-def python_files(program: StraightLineProgram, name: str) -> dict[str, str]:
-    return {f"{name}.py": numba_module(program, name)}
-
-
-def _array(dimensions: int) -> str:
-    return "f8[" + ":, " * (dimensions - 1) + "::1]"
 
 
 def _check(arrays: Sequence[Argument], batched: bool) -> str:
@@ -163,14 +148,11 @@ def numba_module(program: StraightLineProgram, name: str | None = None) -> str:
     arguments = ", ".join(array.name for array in arrays)
     lines = [f"    {symbol} = {array}[{i}]" for symbol, array, i in input_elements(program)]
     lines += step_lines(program, printer, "    {} = {}")
-    lines += [
-        f"    {b.name}[{index}] = {printer.doprint(element)}"
-        for b in program.outputs
-        for index, element in zip(subscripts(b.shape), b.elements, strict=True)
-    ]
+    for b in program.outputs:
+        lines += output_lines(b, printer, "    {}[{}] = {}")
     body = "\n".join(lines) + "\n"
-    one = ", ".join(_array(len(b.shape)) for b in arrays)
-    many = ", ".join(_array(len(b.shape) + 1) for b in arrays)
+    one = ", ".join("f8[" + ":, " * (len(b.shape) - 1) + "::1]" for b in arrays)
+    many = ", ".join("f8[" + ":, " * len(b.shape) + "::1]" for b in arrays)
     rows = ", ".join(f"{b.name}[k]" for b in arrays)
     head = "\n".join(header(program, name))
     return (

@@ -88,10 +88,13 @@ def step_lines(program: StraightLineProgram, printer: Printer, line: str) -> lis
     return [line.format(s, printer.doprint(e)) for s, e in program.steps]
 
 
-def subscripts(shape: tuple[int, ...], first: int = 0) -> list[str]:
-    """Subscripts of all elements in row-major order: "3", or "1, 2" in a matrix."""
-    ranges = [range(first, first + size) for size in shape]
-    return [", ".join(map(str, index)) for index in product(*ranges)]
+def output_lines(out: Argument, printer: Printer, line: str, first: int = 0) -> list[str]:
+    """Assignments of the elements of an output, row by row: `line` is filled with (name,
+    subscripts "3", or "1, 2" in a matrix, expression)."""
+    places = product(*(range(first, first + size) for size in out.shape))
+    subscripts = (", ".join(map(str, place)) for place in places)
+    pairs = zip(subscripts, out.elements, strict=True)
+    return [line.format(out.name, place, printer.doprint(element)) for place, element in pairs]
 
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,59}", re.ASCII)  # Fortran and MATLAB end at 63
@@ -104,20 +107,14 @@ _RESERVED = {
     *("real", "integer", "pi", "sin", "cos", "sqrt", "sign", "merge", "zeros", "nan", "infinity"),
     *("dp", "one", "many", "njit", "range", "valueerror", "main", "errno"),
 }
-_COMPUTED = (
-    *(sp.Add, sp.Mul, sp.Pow, sp.Number, sp.NumberSymbol),
-    *(sp.cos, sp.sin, sp.sign),
-)
+_COMPUTED = (sp.Add, sp.Mul, sp.Pow, sp.Number, sp.NumberSymbol, sp.cos, sp.sin, sp.sign)
 
 
 def distinct(program: StraightLineProgram, function: str) -> StraightLineProgram:
     """The program with steps numbered without gaps, and underscores after names that collide.
 
-    Names are distinct without regard to case, and none is that of the function.
-
-    Raises:
-        ValueError: the function or a symbol has a name that no code can have, or an expression
-            holds something other than arithmetic, sine, cosine and sign.
+    Names are distinct without regard to case, and none is that of the function. Raises ValueError
+    for a name that no code can have, and for other than arithmetic, sine, cosine and sign.
     """
     _check_name("function", function)
     taken = {argument.name.lower() for argument in program.inputs} | _RESERVED | {function.lower()}
@@ -128,7 +125,12 @@ def distinct(program: StraightLineProgram, function: str) -> StraightLineProgram
         _check_name("symbol", symbol.name)
     wanted = [(s, s.name) for s in parameters]
     wanted += [(s, f"x{number}") for number, (s, _) in enumerate(program.steps)]
-    _check_expressions(program, {s for s, _ in wanted})
+    known = {s for s, _ in wanted}
+    for node in sp.postorder_traversal(program.computed):
+        computed = isinstance(node, _COMPUTED) and node.is_extended_real is not False
+        if not (isinstance(node, list) or node in known or computed):
+            allowed = "sums, products, powers, cos, sin and sign of the inputs"
+            raise ValueError(f"{program.name} holds {str(node)[:60]!r}; code computes {allowed}")
     for symbol, wish in wanted:
         name = _free(wish, taken)
         if name != symbol.name or isinstance(symbol, sp.Dummy):
@@ -157,15 +159,3 @@ def _check_name(kind: str, name: str) -> None:
     if _NAME.fullmatch(name) is None or (kind == "function" and name.lower() in _RESERVED):
         allowed = "a letter, then at most 59 letters, digits and _, and no word of a language"
         raise ValueError(f"{name!r} cannot name a {kind} in code: allowed are {allowed}")
-
-
-def _check_expressions(program: StraightLineProgram, known: set[Expression]) -> None:
-    expressions = [e for _, e in program.steps] + [e for b in program.outputs for e in b.elements]
-    for node in sp.postorder_traversal(expressions):
-        if not (isinstance(node, list) or node in known or _is_computed(node)):
-            allowed = "sums, products, powers, cos, sin and sign of the inputs"
-            raise ValueError(f"{program.name} holds {str(node)[:60]!r}; code computes {allowed}")
-
-
-def _is_computed(node: Expression) -> bool:
-    return isinstance(node, _COMPUTED) and node.is_extended_real is not False

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from ..dh import Convention, Joint, Link, Robot
+from ..dh import Convention, Joint, Link
 from ..expressions.symbols import Expression, SymbolicMatrix, exact, exact_angle
 
 Vector = tuple[Expression, Expression, Expression]
@@ -47,19 +47,9 @@ def crossed(name: Naming, u: Vector, v: Vector) -> Vector:
 
 
 def times(name: Naming, M: SymbolicMatrix, v: Vector) -> Vector:
-    """M v for a constant 3 x 3 matrix."""
-    rows = [name(sp.Add(*(name(M[i, j]) * v[j] for j in range(3)))) for i in range(3)]
-    return (rows[0], rows[1], rows[2])
-
-
-def tensor_times(name: Naming, tensor: Sequence[Expression], v: Vector) -> Vector:
-    """I v for a tensor (xx, xy, xz, yy, yz, zz)."""
-    xx, xy, xz, yy, yz, zz = tensor
-    return (
-        name(xx * v[0] + xy * v[1] + xz * v[2]),
-        name(xy * v[0] + yy * v[1] + yz * v[2]),
-        name(xz * v[0] + yz * v[1] + zz * v[2]),
-    )
+    """M v for a 3 x 3 matrix."""
+    x, y, z = (name(sp.Add(*(name(M[i, j]) * v[j] for j in range(3)))) for i in range(3))
+    return x, y, z
 
 
 def lever_acceleration(name: Naming, omega: Vector, alpha: Vector, arm: Vector) -> Vector:
@@ -102,8 +92,7 @@ class _MovingFrame:
 
     def __init__(self, name: Naming) -> None:
         self.name = name
-        rows: list[Vector] = [tuple(row) for row in sp.eye(3).tolist()]
-        self.x, self.y, self.z = rows
+        self.x, self.y, self.z = (tuple(row) for row in sp.eye(3).tolist())
         self.angle: Expression = sp.S.Zero
         self.lever = ZERO
 
@@ -134,15 +123,15 @@ def exact_parameters(link: Link) -> tuple[Expression, Expression, Expression, Ex
     return exact_angle(link.theta), exact(link.d), exact(link.a), exact_angle(link.alpha)
 
 
-def joint_axes(robot: Robot, q: Sequence[Expression], name: Naming) -> Chain:
-    """Joint axes and tool frame at joint variables q, intermediates named by `name`."""
-    frame = _MovingFrame(name)
-    axes: list[Axis] = []
-    variables = iter(q)
-    for link in robot.links:
+def joint_axes(
+    links: Sequence[Link], convention: Convention, q: Sequence[Expression], name: Naming
+) -> Chain:
+    """Joint axes and end of links at joint variables q, intermediates named by `name`."""
+    frame, axes, variables = _MovingFrame(name), list[Axis](), iter(q)
+    for link in links:
         theta, d, a, alpha = exact_parameters(link)
         variable = next(variables) if link.moves else sp.S.Zero
-        if robot.convention is Convention.MODIFIED:
+        if convention is Convention.MODIFIED:
             frame.rotate_x(alpha)
             frame.translate_x(a)
         frame.angle += theta + (variable if link.joint is Joint.REVOLUTE else 0)
@@ -150,7 +139,7 @@ def joint_axes(robot: Robot, q: Sequence[Expression], name: Naming) -> Chain:
         if link.moves:
             axes.append(Axis(link.joint, frame.z, frame.lever))
             frame.lever = ZERO
-        if robot.convention is Convention.STANDARD:
+        if convention is Convention.STANDARD:
             frame.translate_x(a)
             frame.rotate_x(alpha)
     x, y = frame.rotated()

@@ -34,7 +34,7 @@ def _rotated(
 def _shifted(tape: Tape, inertia: Inertia, r: Vector) -> Inertia:
     """Inertia about an origin from which the old one lies at r."""
     h, m = inertia.moment, inertia.mass
-    moment = tuple(tape(h[i] + m * r[i]) for i in range(3))
+    x, y, z = moment = [tape(h[i] + m * r[i]) for i in range(3)]
     between = tuple(tape(h[i] + moment[i]) for i in range(3))  # 2 h + m r
     products = [[tape(r[i] * between[j]) for j in range(3)] for i in range(3)]
     tensor = []
@@ -44,12 +44,7 @@ def _shifted(tape: Tape, inertia: Inertia, r: Vector) -> Inertia:
             tensor.append(tape(old + products[k][k] + products[n][n]))
         else:
             tensor.append(tape(old - r[i] * moment[j] - h[i] * r[j]))
-    return Inertia(m, (moment[0], moment[1], moment[2]), tuple(tensor))
-
-
-def _sum(tape: Tape, u: Inertia, v: Inertia) -> Inertia:
-    total = [tape(a + b) for a, b in zip(u.elements, v.elements, strict=True)]
-    return Inertia(total[0], (total[1], total[2], total[3]), tuple(total[4:]))
+    return Inertia(m, (x, y, z), tuple(tensor))
 
 
 def joint_mass_matrix(tape: Tape, chain: Sequence[JointTransform]) -> Matrix:
@@ -63,7 +58,9 @@ def joint_mass_matrix(tape: Tape, chain: Sequence[JointTransform]) -> Matrix:
             h = outer.out(tape, composite.moment)
             moved = Inertia(composite.mass, h, _rotated(tape, outer, composite.tensor))
             moved = _shifted(tape, moved, outer.translation)
-            composite = _sum(tape, chain[j].segment.inertia, moved)
+            pairs = zip(chain[j].segment.inertia.elements, moved.elements, strict=True)
+            m, x, y, z, *tensor = (tape(u + v) for u, v in pairs)
+            composite = Inertia(m, (x, y, z), tuple(tensor))
         force, moment = _momentum(composite, chain[j])
         D[j][j] = moment[2] if chain[j].revolute else force[2]
         for i in reversed(range(j)):

@@ -8,14 +8,16 @@ Nothing is expanded: each intermediate of the recursions keeps a name.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import sympy as sp
 
 from ..expressions.symbols import Expression, exact
 from . import coupling
-from .chain import ZERO, Matrix, Vector, added, crossed, tensor_times
+from .chain import ZERO, Matrix, Vector, added, crossed, symmetric, times
 from .composite import joint_mass_matrix, solved
+from .derivative import jacobian_of
 from .inertial_model import InertialModel
 from .program import Argument, StraightLineProgram, Tape, separated
 from .recursion import (
@@ -55,8 +57,9 @@ def _wrench(tape: Tape, inertia: Inertia, motion: FrameMotion) -> tuple[Vector, 
     tangential = crossed(tape, motion.alpha, h)
     h_ddot = added(tape, tangential, crossed(tape, omega, crossed(tape, omega, h)))
     force = tuple(tape(inertia.mass * a + w) for a, w in zip(motion.a, h_ddot, strict=True))
-    moment = tensor_times(tape, inertia.tensor, motion.alpha)
-    gyroscopic = crossed(tape, omega, tensor_times(tape, inertia.tensor, omega))
+    tensor = symmetric(inertia.tensor)
+    moment = times(tape, tensor, motion.alpha)
+    gyroscopic = crossed(tape, omega, times(tape, tensor, omega))
     moment = added(tape, moment, gyroscopic)
     return (force[0], force[1], force[2]), added(tape, moment, crossed(tape, h, motion.a))
 
@@ -142,6 +145,22 @@ def bias_torque(model: InertialModel) -> StraightLineProgram:
     return _program(model, tape, "bias_torque", inputs, "b", torques)
 
 
+@separated
+def coriolis_matrix(model: InertialModel) -> StraightLineProgram:
+    """C(phi, phi_dot), n x n, with D' - 2 C skew (2.16).
+
+    C phi_dot is quadratic in the rates and Christoffel symbols are symmetric in them, so that C is
+    half its derivative by the rates.
+    """
+    tape, zeros = Tape(), [sp.S.Zero] * model.robot.n_joints
+    inputs = inputs_of(model, "phi", "phi_dot")
+    torques = frictionless_torques(model, tape, inputs[1].elements, zeros)
+    program = jacobian_of(_program(model, tape, "", inputs, "", torques), ["phi_dot"])
+    (H,) = program.outputs
+    C = Argument("C", H.shape, tuple(element / 2 for element in H.elements))
+    return replace(program, name="coriolis_matrix", outputs=(C,))
+
+
 def motor_mass_matrix(model: InertialModel, tape: Tape) -> Matrix:
     """D = M^T D_theta M + diag(motor inertia)."""
     D = coupling.congruent(model.robot, tape, joint_mass_matrix(tape, joint_chain(model, tape)))
@@ -153,9 +172,10 @@ def motor_mass_matrix(model: InertialModel, tape: Tape) -> Matrix:
 @separated
 def mass_matrix(model: InertialModel) -> StraightLineProgram:
     """D(phi), n x n. Thesis (2.15)."""
-    D = motor_mass_matrix(model, tape := Tape())
-    elements = [D[max(i, j)][min(i, j)] for i in range(len(D)) for j in range(len(D))]
-    return _program(model, tape, "mass_matrix", inputs_of(model, "phi"), "D", elements, len(D))
+    D, n = motor_mass_matrix(model, tape := Tape()), model.robot.n_joints
+    elements = tuple(D[max(i, j)][min(i, j)] for i in range(n) for j in range(n))
+    out = Argument("D", (n, n), elements)
+    return tape.program("mass_matrix", inputs_of(model, "phi"), [out], notes(model))
 
 
 @separated
@@ -190,9 +210,7 @@ def _program(
     name: str,
     inputs: Sequence[Argument],
     output: str,
-    elements: Sequence[Expression],
-    rows: int | None = None,
+    torques: Sequence[Expression],
 ) -> StraightLineProgram:
-    n = len(elements)
-    shape = (n,) if rows is None else (rows, n // rows)
-    return tape.program(name, inputs, [Argument(output, shape, tuple(elements))], notes(model))
+    out = Argument(output, (len(torques),), tuple(torques))
+    return tape.program(name, inputs, [out], notes(model))

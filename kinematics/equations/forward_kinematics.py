@@ -9,70 +9,31 @@ from dataclasses import replace
 import sympy as sp
 
 from ..dh import Joint, Robot
-from ..expressions.symbols import exact
+from ..expressions.symbols import Expression, exact
 from .chain import ZERO, Chain, Vector, added, crossed, joint_axes, lever_acceleration, scaled
 from .coupling import joint_rates, joint_variables, motor_inputs, motor_symbols, notes
 from .derivative import tangent
 from .program import Argument, StraightLineProgram, Tape, separated
 
 
-def _chain(robot: Robot, tape: Tape) -> Chain:
-    return joint_axes(robot, joint_variables(robot, motor_symbols(robot)), tape)
-
-
 @separated
-def pose(robot: Robot) -> StraightLineProgram:
-    """T_base_tool, 4 x 4. Thesis (3.26)."""
+def pose(robot: Robot, frame: int | None = None) -> StraightLineProgram:
+    """T_base_frame, 4 x 4, of the tool by default. Thesis (3.22), (3.26)."""
     tape = Tape()
-    out = transform(_chain(robot, tape), tape)
+    out = _transform(_chain(robot, tape, frame), tape)
     return tape.program("pose", motor_inputs(robot, "phi"), [out], notes(robot))
 
 
-def transform(chain: Chain, tape: Tape) -> Argument:
-    """T, 4 x 4, from the base to the end of a chain."""
-    p = ZERO
-    for lever in (*(axis.lever for axis in chain.axes), chain.tool_lever):
-        p = added(tape, p, lever)
-    x, y, z = chain.rotation
-    rows = [e for i in range(3) for e in (x[i], y[i], z[i], p[i])] + [0, 0, 0, 1]
-    return Argument("T", (4, 4), tuple(map(sp.sympify, rows)))
-
-
-def columns(chain: Chain, tape: Tape) -> list[tuple[Vector, Vector]]:
-    """(v, omega) of the tool for each joint variable at unit rate. Thesis (3.46), (3.51)."""
-    found = []
-    to_tool = chain.tool_lever
-    for axis in reversed(chain.axes):
-        if axis.joint is Joint.REVOLUTE:
-            found.append((crossed(tape, axis.direction, to_tool), axis.direction))
-        else:
-            found.append((axis.direction, ZERO))
-        to_tool = added(tape, axis.lever, to_tool)
-    return found[::-1]
-
-
 @separated
-def jacobian(robot: Robot) -> StraightLineProgram:
-    """J, 6 x n: (v, omega) of the tool origin in base axes from motor rates. Thesis (3.39)."""
+def jacobian(robot: Robot, frame: int | None = None, axes: int = 0) -> StraightLineProgram:
+    """J, 6 x n: (v, omega) of the origin of a frame from motor rates, in the axes of another.
+
+    Thesis (3.39); by default of the tool in base axes.
+    """
     tape = Tape()
-    out = motor_jacobian(robot, _chain(robot, tape), tape)
+    chain = _chain(robot, tape, frame)
+    out = _motor_jacobian(robot, chain, tape, _chain(robot, tape, axes).rotation)
     return tape.program("jacobian", motor_inputs(robot, "phi"), [out], notes(robot))
-
-
-def motor_jacobian(robot: Robot, chain: Chain, tape: Tape) -> Argument:
-    """J, 6 x n, of the motors of a robot with this chain."""
-    six = [(*v, *w) for v, w in columns(chain, tape)]
-    # J_phi = J_theta coupling, (4.10) differentiated
-    weights = [[exact(k) for k in column] for column in robot.coupling.T]
-    coupled = [
-        [
-            tape(sp.Add(*(e * k for e, k in zip(row, weight, strict=True))))
-            for row in zip(*six, strict=True)
-        ]
-        for weight in weights
-    ]
-    elements = tuple(e for row in zip(*coupled, strict=True) for e in row)
-    return Argument("J", (6, robot.n_joints), elements)
 
 
 @separated
@@ -80,7 +41,8 @@ def pose_and_jacobian(robot: Robot) -> StraightLineProgram:
     """T_base_tool and J, row by row in one vector of 16 + 6 n."""
     tape = Tape()
     chain = _chain(robot, tape)
-    parts = transform(chain, tape), motor_jacobian(robot, chain, tape)
+    base = _chain(robot, tape, 0).rotation
+    parts = _transform(chain, tape), _motor_jacobian(robot, chain, tape, base)
     elements = tuple(e for part in parts for e in part.elements)
     out = Argument("T_and_J", (len(elements),), elements)
     return tape.program("pose_and_jacobian", motor_inputs(robot, "phi"), [out], notes(robot))
@@ -117,48 +79,49 @@ def acceleration(robot: Robot) -> StraightLineProgram:
     return tape.program("acceleration", inputs, [Argument("a", (6,), (*a, *alpha))], notes(robot))
 
 
-@separated
-def frame_pose(robot: Robot, frame: int) -> StraightLineProgram:
-    """T_base_frame, 4 x 4. Thesis (3.22)."""
-    tape = Tape()
-    chain, _ = _frame_chain(robot, frame, tape)
-    out = transform(chain, tape)
-    return tape.program("frame_pose", motor_inputs(robot, "phi"), [out], notes(robot))
-
-
-@separated
-def frame_jacobian(robot: Robot, frame: int, axes: int = 0) -> StraightLineProgram:
-    """J, 6 x n: (v, omega) of the origin of a frame from motor rates, in the axes of another."""
-    tape = Tape()
-    chain, moving = _frame_chain(robot, frame, tape)
-    rotation = _frame_chain(robot, axes, tape)[0].rotation
-    turned = [
-        (*_seen(tape, rotation, v), *_seen(tape, rotation, w)) for v, w in columns(chain, tape)
-    ]
-    weights = [[exact(k) for k in column[:moving]] for column in robot.coupling.T]
-    elements = tuple(
-        tape(sp.Add(*(column[i] * k for column, k in zip(turned, weight, strict=True))))
-        for i in range(6)
-        for weight in weights
-    )
-    out = Argument("J", (6, robot.n_joints), elements)
-    lines = (*notes(robot), f"J: of the origin of frame {frame}, in the axes of frame {axes}")
-    return tape.program("frame_jacobian", motor_inputs(robot, "phi"), [out], lines)
-
-
-def _frame_chain(robot: Robot, frame: int, tape: Tape) -> tuple[Chain, int]:
-    """The chain from the base to a frame, and the number of its joints."""
-    if isinstance(frame, bool) or not isinstance(frame, int) or not 0 <= frame <= len(robot.links):
-        raise ValueError(f"frame must be 0 to {len(robot.links)} for {robot.name}, got {frame!r}")
-    if frame == 0:
-        x, y, z = (tuple(row) for row in sp.eye(3).tolist())
-        return Chain((), ZERO, (x, y, z)), 0
-    part = Robot(robot.links[:frame], convention=robot.convention)
+def _chain(robot: Robot, tape: Tape, frame: int | None = None) -> Chain:
+    """The chain from the base to a frame, the tool's by default."""
+    most = len(robot.links)
+    frame = most if frame is None else frame
+    if isinstance(frame, bool) or not isinstance(frame, int) or not 0 <= frame <= most:
+        raise ValueError(f"frame must be 0 to {most} for {robot.name}, got {frame!r}")
     variables = joint_variables(robot, motor_symbols(robot))
-    return joint_axes(part, variables[: part.n_joints], tape), part.n_joints
+    return joint_axes(robot.links[:frame], robot.convention, variables, tape)
 
 
-def _seen(tape: Tape, rotation: tuple[Vector, Vector, Vector], v: Vector) -> Vector:
+def _transform(chain: Chain, tape: Tape) -> Argument:
+    """T, 4 x 4, from the base to the end of a chain."""
+    p = ZERO
+    for lever in (*(axis.lever for axis in chain.axes), chain.tool_lever):
+        p = added(tape, p, lever)
+    x, y, z = chain.rotation
+    rows = [e for i in range(3) for e in (x[i], y[i], z[i], p[i])] + [0, 0, 0, 1]
+    return Argument("T", (4, 4), tuple(map(sp.sympify, rows)))
+
+
+def _motor_jacobian(
+    robot: Robot, chain: Chain, tape: Tape, rotation: tuple[Vector, Vector, Vector]
+) -> Argument:
+    """J, 6 x n, of the end of a chain in the axes that are the columns of a rotation.
+
+    Thesis (3.46), (3.51), and J_phi = J_theta coupling, (4.10) differentiated.
+    """
+    six, to_tool = list[list[Expression]](), chain.tool_lever
+    for axis in reversed(chain.axes):
+        v, w = axis.direction, ZERO
+        if axis.joint is Joint.REVOLUTE:
+            v, w = crossed(tape, axis.direction, to_tool), axis.direction
+        six.append([*_seen(tape, rotation, v), *_seen(tape, rotation, w)])
+        to_tool = added(tape, axis.lever, to_tool)
+    rows = list(zip(*six[::-1], strict=True)) or [()] * 6
+    columns = [
+        [tape(sp.Add(*(e * exact(k) for e, k in zip(row, weight, strict=False)))) for row in rows]
+        for weight in robot.coupling.T
+    ]
+    elements = tuple(e for row in zip(*columns, strict=True) for e in row)
+    return Argument("J", (6, robot.n_joints), elements)
+
+
+def _seen(tape: Tape, rotation: tuple[Vector, Vector, Vector], v: Vector) -> list[Expression]:
     """Coordinates of v along the axes of a frame."""
-    x, y, z = (tape(sp.Add(*(tape(a * b) for a, b in zip(e, v, strict=True)))) for e in rotation)
-    return x, y, z
+    return [tape(sp.Add(*(tape(a * b) for a, b in zip(e, v, strict=True)))) for e in rotation]

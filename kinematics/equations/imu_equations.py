@@ -30,34 +30,24 @@ def measurement(
     frame = len(robot.links) if frame is None else frame
     if not 0 < frame <= len(robot.links):
         raise ValueError(f"frame must be 1 to {len(robot.links)}, got {frame}")
-    tape = Tape()
-    inputs = motor_inputs(robot, "phi", "phi_dot", "phi_ddot")
-    motion = _frame_motion(tape, robot, frame, inputs, gravity)
-    y = (*inputs[0].elements, *motion.omega, *motion.a)
-    lines = (
-        *notes(robot),
-        f"sensor: in the axes of frame {frame}; gravity {tuple(map(str, gravity))} m/s^2",
-        "y: motor angles [rad], angular velocity [rad/s], specific force [m/s^2]",
-    )
-    return tape.program("measurement", inputs, [Argument("y", (len(y),), y)], lines)
-
-
-def _frame_motion(
-    tape: Tape, robot: Robot, frame: int, inputs: Sequence[Argument], gravity: Sequence[Any]
-) -> FrameMotion:
-    """omega, alpha and specific force of a link's frame in its own axes."""
+    tape, inputs = Tape(), motor_inputs(robot, "phi", "phi_dot", "phi_ddot")
     chain = body_chain(Robot(robot.links[:frame], convention=robot.convention))
     k = len(chain.segments)
     q = joint_variables(robot, inputs[0].elements)[:k]
-    rates = joint_rates(robot, tape, inputs[1].elements)[:k]
-    accelerations = joint_rates(robot, tape, inputs[2].elements)[:k]
+    rates, accelerations = (joint_rates(robot, tape, b.elements)[:k] for b in inputs[1:3])
     up: Vector = tuple(-exact(value) for value in gravity)
     motions = forward(tape, joint_transforms(chain, q, tape), rates, accelerations, up)
     last = motions[-1] if motions else FrameMotion(ZERO, ZERO, up)
     lever: Vector = tuple(chain.tool_translation)
     a = added(tape, last.a, lever_acceleration(tape, last.omega, last.alpha, lever))
     R = chain.tool_rotation.T
-    return FrameMotion(*(times(tape, R, vector) for vector in (last.omega, last.alpha, a)))
+    y = (*inputs[0].elements, *times(tape, R, last.omega), *times(tape, R, a))
+    lines = (
+        *notes(robot),
+        f"sensor: in the axes of frame {frame}; gravity {tuple(map(str, gravity))} m/s^2",
+        "y: motor angles [rad], angular velocity [rad/s], specific force [m/s^2]",
+    )
+    return tape.program("measurement", inputs, [Argument("y", (len(y),), y)], lines)
 
 
 def measurement_jacobian(

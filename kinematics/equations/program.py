@@ -1,13 +1,13 @@
 """Straight-line programs: named intermediates and outputs, the form all generated code comes from.
 
 A `Tape` names each intermediate as it is built, so a recursion over the links never expands; the
-same expression, or its negative, gets one name. `StraightLineProgram.from_expressions` shares the
-common parts of finished expressions, and `program_of` makes a program of any. Thesis 4.2.2, 4.4.
+same expression, or its negative, gets one name. `program_of` makes a program of finished ones, and
+shares their common parts. Thesis 4.2.2, 4.4.
 """
 
 import re
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import wraps
 from typing import Any, Concatenate, NamedTuple, ParamSpec, TypeVar
 
@@ -43,10 +43,14 @@ class StraightLineProgram:
         return self.inputs + self.outputs
 
     @property
+    def computed(self) -> list[Expression]:
+        """Expressions of the steps, then those of the outputs."""
+        return [e for _, e in self.steps] + [e for b in self.outputs for e in b.elements]
+
+    @property
     def operations(self) -> int:
         """Arithmetic operations and function calls, as SymPy counts them."""
-        expressions = [expression for _, expression in self.steps]
-        return int(sp.count_ops(expressions + [e for b in self.outputs for e in b.elements]))
+        return int(sp.count_ops(self.computed))
 
     def expressions(self) -> tuple[Expression, ...]:
         """All output elements with the names substituted back: full expressions of the inputs."""
@@ -54,21 +58,6 @@ class StraightLineProgram:
         for symbol, expression in self.steps:
             known[symbol] = expression.xreplace(known)
         return tuple(e.xreplace(known) for argument in self.outputs for e in argument.elements)
-
-    @classmethod
-    def from_expressions(
-        cls,
-        name: str,
-        inputs: Sequence[Argument],
-        outputs: Sequence[Argument],
-        notes: tuple[str, ...] = (),
-    ) -> "StraightLineProgram":
-        """Share the common parts of finished expressions."""
-        flat = [element for argument in outputs for element in argument.elements]
-        steps, reduced = sp.cse(flat, symbols=sp.numbered_symbols("x", real=True), order="none")
-        rest = iter(reduced)
-        shared = tuple(b._replace(elements=tuple(next(rest) for _ in b.elements)) for b in outputs)
-        return cls(name, tuple(inputs), tuple(steps), shared, notes)
 
 
 class Tape:
@@ -100,7 +89,7 @@ class Tape:
         name: str,
         inputs: Iterable[Argument],
         outputs: Iterable[Argument],
-        notes: tuple[str, ...] = (),
+        notes: tuple[str, ...],
     ) -> StraightLineProgram:
         """The tape so far as a program; steps that no output needs are dropped."""
         outputs = tuple(outputs)
@@ -130,45 +119,28 @@ def separated(build: Builder[Subject, Arguments]) -> Builder[Subject, Arguments]
     def with_own_names(
         subject: Subject, *arguments: Arguments.args, **named: Arguments.kwargs
     ) -> StraightLineProgram:
-        return build(_separated(subject), *arguments, **named)
+        own = {
+            s: internal(s.name)
+            for s in subject.free_symbols
+            if s == sp.Symbol(s.name, real=True) and _GENERATED.fullmatch(s.name)
+        }
+        return build(_renamed(subject, own) if own else subject, *arguments, **named)
 
     return with_own_names
 
 
-def _separated(subject: Subject) -> Subject:
-    own = {
-        s: internal(s.name)
-        for s in subject.free_symbols
-        if s == sp.Symbol(s.name, real=True) and _GENERATED.fullmatch(s.name)
-    }
-    if not own:
-        return subject
-    return _robot(subject, own) if isinstance(subject, Robot) else _model(subject, own)
-
-
-def _robot(robot: Robot, own: dict[Any, Any]) -> Robot:
-    links = [replace(link, **_renamed(link, own)) for link in robot.links]
-    return Robot(links, robot.coupling, robot.offset, robot.convention, robot.name)
-
-
-def _model(model: InertialModel, own: dict[Any, Any]) -> InertialModel:
-    bodies = tuple(replace(body, **_renamed(body, own)) for body in model.bodies)
-    motors = tuple(replace(motor, **_renamed(motor, own)) for motor in model.motors)
-    return InertialModel(_robot(model.robot, own), bodies, motors, _value(model.gravity, own))
-
-
-def _renamed(data: Any, own: dict[Any, Any]) -> dict[str, Any]:
-    return {name: _value(value, own) for name, value in vars(data).items()}
-
-
-def _value(value: Any, own: dict[Any, Any]) -> Any:
+def _renamed(value: Any, own: dict[Any, Any]) -> Any:
+    """A value with other symbols, in tuples and records as well."""
     if isinstance(value, tuple):
-        return tuple(_value(each, own) for each in value)
+        return tuple(_renamed(each, own) for each in value)
+    if is_dataclass(value) and not isinstance(value, type):
+        parts = {field.name: getattr(value, field.name) for field in fields(value)}
+        return replace(value, **{name: _renamed(part, own) for name, part in parts.items()})
     return value.xreplace(own) if isinstance(value, sp.Basic) else value
 
 
 def program_of(name: str, expression: Any, notes: tuple[str, ...] = ()) -> StraightLineProgram:
-    """A program that computes an expression or matrix from its own variables.
+    """A program that computes an expression or matrix from its own variables, common parts shared.
 
     Functions of time and their derivatives get code names (phi_1(t) -> phi_1, then phi_1d and
     phi_1dd). The one input `q` holds all variables in the order that its header comment states.
@@ -178,11 +150,11 @@ def program_of(name: str, expression: Any, notes: tuple[str, ...] = ()) -> Strai
     plain = matrix.xreplace(code_names(list(matrix)))
     variables = tuple(sorted(plain.free_symbols, key=_order))
     shape = plain.shape if plain.shape[1] > 1 else (plain.shape[0],)
-    inputs = [Argument("q", (len(variables),), variables)]
+    steps, shared = sp.cse(list(plain), sp.numbered_symbols("x", real=True), order="none")
     order = f"q: {', '.join(map(str, variables))}"
-    return StraightLineProgram.from_expressions(
-        name, inputs, [Argument("result", shape, tuple(plain))], (*notes, order)
-    )
+    inputs = (Argument("q", (len(variables),), variables),)
+    out = Argument("result", shape, tuple(shared))
+    return StraightLineProgram(name, inputs, tuple(steps), (out,), (*notes, order))
 
 
 def _order(symbol: sp.Symbol) -> tuple[str, int, int]:

@@ -10,13 +10,11 @@ which is thesis (2.18) with its signs corrected, in each joint of the robot. D h
 rotor inertia, which belongs to the motors' own equation.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import sympy as sp
 
-from ..expressions.symbols import Expression, exact
+from ..expressions.symbols import exact
 from .composite import solved
 from .derivative import tangent
 from .dynamics import (
@@ -46,8 +44,7 @@ def rigid_rate(model: InertialModel) -> StraightLineProgram:
 def flexible_rate(model: InertialModel) -> StraightLineProgram:
     """x'(x, tau) with x = (phi_arm, phi_motor, their rates), shape (4 n,).
 
-    Raises:
-        ValueError: a motor has no stiffness or no inertia.
+    Raises ValueError where a motor has no stiffness or no inertia.
     """
     n = model.robot.n_joints
     for number, motor in enumerate(model.motors, 1):
@@ -58,8 +55,15 @@ def flexible_rate(model: InertialModel) -> StraightLineProgram:
     arm, arm_rate = phi.elements, phi_dot.elements
     motor_angle = tuple(sp.Symbol(f"psi{i}", real=True) for i in range(1, n + 1))
     motor_rate = tuple(sp.Symbol(f"psid{i}", real=True) for i in range(1, n + 1))
-    spring = _spring_torques(model, tape, (arm, motor_angle, arm_rate, motor_rate))
-    arm_acceleration = _arm_acceleration(model, tape, arm_rate, spring)
+    state = zip(model.motors, arm, motor_angle, arm_rate, motor_rate, strict=True)
+    spring = [
+        tape(exact(motor.stiffness) * (m - a) + exact(motor.damping) * (md - ad))
+        for motor, a, m, ad, md in state
+    ]
+    alone = replace(model, motors=(Motor(),) * n)  # the arm without its motors
+    bias = frictionless_torques(alone, tape, arm_rate, [sp.S.Zero] * n)
+    right = [tape(s - b) for s, b in zip(spring, bias, strict=True)]
+    arm_acceleration = solved(tape, motor_mass_matrix(alone, tape), right)
     losses = friction(model, tape, motor_rate)
     motor_acceleration = [
         tape((t - f - s) / exact(motor.inertia))
@@ -70,24 +74,6 @@ def flexible_rate(model: InertialModel) -> StraightLineProgram:
     lines = (*notes(model), "x: arm angles (as motor angles), motor angles, and their rates")
     out = Argument("x_dot", (4 * n,), rate)
     return tape.program("flexible_rate", [x, tau, *parameters], [out], lines)
-
-
-def _spring_torques(model: InertialModel, tape: Tape, state: Sequence[Any]) -> list[Expression]:
-    """k (phi_m - phi_a) + d (phi_m' - phi_a') of each gear, arm side."""
-    return [
-        tape(exact(motor.stiffness) * (m - a) + exact(motor.damping) * (md - ad))
-        for motor, a, m, ad, md in zip(model.motors, *state, strict=True)
-    ]
-
-
-def _arm_acceleration(
-    model: InertialModel, tape: Tape, rates: Sequence[Any], torque: Sequence[Any]
-) -> list[Expression]:
-    """Acceleration of the arm without its motors."""
-    alone = replace(model, motors=(Motor(),) * model.robot.n_joints)
-    bias = frictionless_torques(alone, tape, rates, [sp.S.Zero] * len(rates))
-    right = [tape(t - b) for t, b in zip(torque, bias, strict=True)]
-    return solved(tape, motor_mass_matrix(alone, tape), right)
 
 
 def rate_tangent(program: StraightLineProgram) -> StraightLineProgram:

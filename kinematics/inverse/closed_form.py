@@ -10,7 +10,7 @@ facing the target or facing away, the elbow angle positive or negative, the wris
 
 from dataclasses import dataclass
 from enum import IntFlag
-from functools import cache, lru_cache
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -21,15 +21,8 @@ from armside.arrays import Array, shown
 
 from ..cache import cached_module
 from ..dh import Limits, Robot
-from .six_axes import (
-    ClosedArm,
-    ParallelArm,
-    UnsolvableGeometryError,
-    has_parallel_axes,
-    parallel_arm,
-    wrist_arm,
-)
-from .targets import check_rigid, least_passed, limit_passed
+from .six_axes import ClosedArm, solvable_arm
+from .targets import batch, limit_passed
 
 
 class Singularity(IntFlag):
@@ -48,21 +41,6 @@ class Singularity(IntFlag):
     the nearest value with which the arm, then stretched or folded, does."""
 
 
-@lru_cache(maxsize=64)
-def solvable_arm(robot: Robot) -> ClosedArm:
-    """Constants of the closed form of a robot's kind.
-
-    Raises:
-        UnsolvableGeometryError: there is none; says which parameter stands in the way.
-    """
-    try:
-        return wrist_arm(robot)
-    except UnsolvableGeometryError:
-        if has_parallel_axes(robot):
-            return parallel_arm(robot)
-        raise
-
-
 class UnreachableError(ValueError):
     """Target `index` of a batch, `distance` [m] outside the reach of the wrist centre."""
 
@@ -74,11 +52,19 @@ class UnreachableError(ValueError):
         )
 
 
+def refuse_unreachable(robot: Robot, outside: Array, touching: float = 0.0) -> None:
+    """Raise UnreachableError for the first target (N,) by more than `touching` [m] outside."""
+    if (beyond := outside > touching).any():
+        index = int(np.argmax(beyond))
+        raise UnreachableError(robot, index, float(outside[index]))
+
+
 class JointRangeError(ValueError):
     """Target `index` of a path, where a joint leaves its range as `passed` says."""
 
-    def __init__(self, robot: Robot, limits: Limits, path: Array, index: int) -> None:
-        self.index, phi = index, np.degrees(path[index]).round(2).tolist()
+    def __init__(self, robot: Robot, limits: Limits, path: Array) -> None:
+        self.index = index = int(np.argmin(limits.contain(path)))
+        phi = np.degrees(path[index]).round(2).tolist()
         self.passed = f"{limit_passed(path[index], limits)} [rad], at phi = {phi} deg"
         where = f"target {index} of {len(path)} leaves the joint limits of {robot.name}"
         super().__init__(f"{where}: {self.passed}")
@@ -112,8 +98,9 @@ def inverse_branches(robot: Robot, T: ArrayLike, reference: ArrayLike | None = N
     W, single = _targets(arm, T)
     n, g, theta_start = len(W), arm.geometry, arm.M @ _configuration(reference) + arm.constant
     phi, flags, outside = np.empty((n, 8, 6)), np.empty((n, 8), dtype=np.int8), np.empty(n)
-    _kernel(arm).solve_all(W, g, arm.M_inverse, arm.constant, theta_start, phi, flags, outside)
-    _raise_unreachable(robot, outside)
+    kernel = _kernel(arm.kernel)
+    kernel.solve_all(W, g, arm.M_inverse, arm.constant, theta_start, phi, flags, outside)
+    refuse_unreachable(robot, outside)
     exists = flags >= 0
     phi[~exists] = np.nan
     found = phi, exists, np.maximum(flags, 0)
@@ -146,7 +133,7 @@ def inverse_nearest(
         if not len(candidates):
             raise ValueError(
                 f"the target is in reach of {robot.name}, but all {found.exists.sum()} branches "
-                f"are outside the joint limits: in the best {least_passed(every, limits)} [rad]"
+                f"are outside the joint limits: in the best {limit_passed(every, limits)} [rad]"
             )
     return candidates[np.argmin(((candidates - start) ** 2).sum(axis=-1))]
 
@@ -171,19 +158,16 @@ def inverse_path(
     T = np.asarray(T, dtype=np.float64)
     path[0] = inverse_nearest(robot, T[0], start, limits)
     outside, flag = np.zeros(len(W)), np.zeros(len(W), dtype=np.int8)
-    _kernel(arm).follow(W, arm.geometry, arm.M, arm.M_inverse, arm.constant, path, flag, outside)
-    _raise_unreachable(robot, outside)
-    if limits is not None and not (inside := limits.contain(path)).all():
-        raise JointRangeError(robot, limits, path, int(np.argmin(inside)))
+    kernel = _kernel(arm.kernel)
+    kernel.follow(W, arm.geometry, arm.M, arm.M_inverse, arm.constant, path, flag, outside)
+    refuse_unreachable(robot, outside)
+    if limits is not None and not limits.contain(path).all():
+        raise JointRangeError(robot, limits, path)
     return path
 
 
-def _kernel(arm: ClosedArm) -> Any:
-    return _module("parallel" if isinstance(arm, ParallelArm) else "wrist")
-
-
 @cache
-def _module(kind: str) -> Any:
+def _kernel(kind: str) -> Any:
     """The loops of `kernel` compiled with the branches of a kind."""
 
     def text() -> str:
@@ -211,15 +195,5 @@ def _configuration(phi: ArrayLike | None) -> Array:
 
 def _targets(arm: ClosedArm, T: ArrayLike) -> tuple[Array, bool]:
     """Checked targets as transforms from the arm's base to just after Rot_z(theta6)."""
-    T = np.asarray(T, dtype=np.float64)
-    if T.ndim not in (2, 3) or T.shape[-2:] != (4, 4):
-        raise ValueError(f"T must have shape (4, 4) or (N, 4, 4), got {T.shape}")
-    check_rigid(T)
-    W = np.ascontiguousarray(arm.head_inverse @ T @ arm.tail_inverse)
-    return (W[None], True) if W.ndim == 2 else (W, False)
-
-
-def _raise_unreachable(robot: Robot, outside: Array) -> None:
-    if outside.any():
-        index = int(np.flatnonzero(outside)[0])
-        raise UnreachableError(robot, index, float(outside[index]))
+    poses, single = batch(T)
+    return np.ascontiguousarray(arm.head_inverse @ poses @ arm.tail_inverse), single

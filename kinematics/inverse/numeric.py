@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array, finite_array, real_array
 
 from ..cache import cached_module
+from ..compiled import refuse_symbols
 from ..dh import Joint, Limits, Robot
 from ..rigid import standard_links
 from .targets import Cause, joint_jump, limit_passed, refuse_motion
@@ -81,17 +82,18 @@ def inverse_numeric(
     Raises:
         NotConvergedError: says for which target, and what error remains where.
     """
-    first = _start(robot, start)
+    first, kernel = finite_array("start", start), _kernel()
+    if first.shape != (robot.n_joints,):
+        raise ValueError(f"start must have shape ({robot.n_joints},), got {first.shape}")
     _check_tolerance(tolerance)
     if not isinstance(restarts, Integral) or restarts < 0:
         raise ValueError(f"restarts must be a whole number from 0, got {restarts!r}")
     targets, rows, single = _targets(T)
-    chain, turns, ranges = _chain(robot), _turns(robot), _ranges(robot, limits)
+    (chain, turns), ranges = _chain(robot), _ranges(robot, limits)
     starts = np.vstack([first, spread(robot, limits, restarts)])
     n = len(targets)
     phi, error = np.empty((n, len(first))), np.zeros((n, 6))
     outcome = np.empty(n, dtype=np.int64)
-    kernel = _kernel()
     kernel.search(
         chain, turns, targets, rows, starts, ranges, tolerance, nearest, phi, error, outcome
     )
@@ -136,7 +138,7 @@ def inverse_numeric_path(
     first = T[:1] if isinstance(T, np.ndarray) else np.asarray(T, dtype=np.float64)[:1]
     path[:1] = inverse_numeric(robot, first, start, tolerance, limits=limits)
     error, ranges = np.zeros(6), _ranges(robot, limits)
-    k = _kernel().follow(_chain(robot), targets, rows, ranges, tolerance, path, error)
+    k = _kernel().follow(_chain(robot)[0], targets, rows, ranges, tolerance, path, error)
     if k < len(path):
         error[rows:] = 0.0
         if np.abs(error).max() <= tolerance:
@@ -172,13 +174,6 @@ def _kernel() -> Any:
     return cached_module("inverse_numeric", "", lambda: text)
 
 
-def _start(robot: Robot, start: ArrayLike) -> Array:
-    phi = finite_array("start", start)
-    if phi.shape != (robot.n_joints,):
-        raise ValueError(f"start must have shape ({robot.n_joints},), got {phi.shape}")
-    return phi
-
-
 def _check_tolerance(tolerance: float) -> None:
     exact = _kernel().EXACT
     if not isinstance(tolerance, Real) or not exact <= tolerance < inf:
@@ -190,41 +185,33 @@ def _targets(T: ArrayLike) -> tuple[Array, int, bool]:
     """Targets (N, 4, 4), the number of error components that count, and True for a single one."""
     given = real_array("T", T)
     if given.shape[-2:] == (4, 4) and given.ndim in (2, 3):
-        poses = np.array(given.reshape(-1, 4, 4))
-        if not _kernel().are_rigid(poses):
-            refuse_motion(given)
-        return poses, 6, given.ndim == 2
-    if given.shape[-1:] == (3,) and given.ndim in (1, 2):
-        poses = np.tile(np.eye(4), (given.size // 3, 1, 1))
+        poses, rows = np.array(given.reshape(-1, 4, 4)), 6
+    elif given.shape[-1:] == (3,) and given.ndim in (1, 2):
+        poses, rows = np.tile(np.eye(4), (given.size // 3, 1, 1)), 3
         poses[:, :3, 3] = given
-        if not np.isfinite(poses).all():
-            refuse_motion(given)
-        return poses, 3, given.ndim == 1
-    raise ValueError(f"T must be (4, 4), (N, 4, 4), (3,) or (N, 3), got {given.shape}")
+    else:
+        raise ValueError(f"T must be (4, 4), (N, 4, 4), (3,) or (N, 3), got {given.shape}")
+    if not _kernel().are_rigid(poses):
+        refuse_motion(given)
+    return poses, rows, given.ndim == (2 if rows == 6 else 1)
 
 
 @lru_cache(maxsize=64)
-def _chain(robot: Robot) -> tuple[Any, ...]:
-    """Arrays of the kernel: link parameters, joint types, prismatic joints, coupling, offset."""
-    if robot.free_symbols:
-        names = ", ".join(sorted(map(str, robot.free_symbols)))
-        raise ValueError(f"inverse_numeric needs a robot of numbers; {robot.name} has {names}")
-    links = standard_links(robot)
-    angles = [(float(link.theta), float(link.alpha)) for link in links]
-    rows = [
-        (theta, float(link.d), float(link.a), cos(alpha), sin(alpha))
-        for link, (theta, alpha) in zip(links, angles, strict=True)
-    ]
+def _chain(robot: Robot) -> tuple[tuple[Any, ...], Array]:
+    """The robot as the kernel takes it, and motor angles (n, n) that turn each joint by 1 rad.
+
+    Its arrays: link parameters, joint types, prismatic joints, coupling, offset.
+    """
+    refuse_symbols("inverse_numeric", robot.name, robot.free_symbols)
+    links, rows = standard_links(robot), []
+    for link in links:
+        theta, d, a, alpha = (float(getattr(link, name)) for name in ("theta", "d", "a", "alpha"))
+        rows.append((theta, d, a, cos(alpha), sin(alpha)))
     types = np.array([_TYPES[link.joint] for link in links], dtype=np.int64)
     M = robot.coupling.copy()
     coupled = not np.array_equal(M, np.eye(len(M)))
-    return np.array(rows), types, types[types < 2] == 1, M, robot.offset.copy(), coupled
-
-
-@lru_cache(maxsize=64)
-def _turns(robot: Robot) -> Array:
-    """Motor angles that turn each joint by one radian, as columns (n, n)."""
-    return np.array(np.linalg.inv(robot.coupling), dtype=np.float64)
+    arrays = np.array(rows), types, types[types < 2] == 1, M, robot.offset.copy(), coupled
+    return arrays, np.array(np.linalg.inv(M), dtype=np.float64)
 
 
 @lru_cache(maxsize=64)
@@ -247,7 +234,7 @@ def spread(robot: Robot, limits: Limits | None, count: int) -> Array:
     Without limits a revolute joint has a turn, and a prismatic one the size of the robot.
     """
     n = robot.n_joints
-    links, _, prismatic, *_ = _chain(robot)
+    links, _, prismatic, *_ = _chain(robot)[0]
     size = float(np.abs(links[:, 1:3]).sum()) or 1.0
     half = np.where(prismatic, size, pi)
     lower, upper = -half, half

@@ -159,8 +159,11 @@ def _forward(links, joints, M, offset, phi, axes, T):
 
 
 @njit(cache=True, error_model="numpy")
-def _jacobian(prismatic, M, coupled, axes, T, columns, J):
-    """Fill J (6, n), (v, omega) of the tool from motor rates, from what `_forward` filled."""
+def _jacobian(prismatic, M, coupled, axes, T, columns, lower, upper, J):
+    """Fill J (6, n), (v, omega) of the tool from motor rates, from what `_forward` filled.
+
+    Motors whose bounds coincide are left out.
+    """
     n = M.shape[0]
     target = columns if coupled else J
     for i in range(n):
@@ -180,12 +183,7 @@ def _jacobian(prismatic, M, coupled, axes, T, columns, J):
                 for k in range(n):
                     total += columns[i, k] * M[k, j]
                 J[i, j] = total
-
-
-@njit(cache=True, error_model="numpy")
-def _hold(lower, upper, J):
-    """Take motors whose bounds coincide out of J."""
-    for j in range(J.shape[1]):
+    for j in range(n):
         if lower[j] == upper[j]:
             for i in range(6):
                 J[i, j] = 0.0
@@ -214,8 +212,7 @@ def _leap(robot, target, rows, lower, upper, phi, error, start, work):
         e[i] = error[i]
     for k in range(LEAP):
         if k > 0:
-            _jacobian(prismatic, M, coupled, axes, T, columns, J)
-            _hold(lower, upper, J)
+            _jacobian(prismatic, M, coupled, axes, T, columns, lower, upper, J)
         if not _step(J, e, FLOOR, rows, n, A, x, step):
             return start
         square = _move(robot, target, rows, lower, upper, trial, work)
@@ -239,8 +236,7 @@ def _descend(robot, target, rows, lower, upper, phi, error, work):
         if square < EXACT * EXACT:
             break
         if moved:
-            _jacobian(prismatic, M, coupled, axes, T, columns, J)
-            _hold(lower, upper, J)
+            _jacobian(prismatic, M, coupled, axes, T, columns, lower, upper, J)
         if not _step(J, error, gain * square + FLOOR, rows, n, A, x, step):
             break
         new = _move(robot, target, rows, lower, upper, phi, work)
@@ -250,8 +246,7 @@ def _descend(robot, target, rows, lower, upper, phi, error, work):
             leaps = moved = new < square
             if not moved:  # J of phi again
                 _forward(links, joints, M, offset, phi, axes, T)
-                _jacobian(prismatic, M, coupled, axes, T, columns, J)
-                _hold(lower, upper, J)
+                _jacobian(prismatic, M, coupled, axes, T, columns, lower, upper, J)
         if moved:
             square, gain = new, max(0.25 * gain, LEAST_GAIN)
             for i in range(n):

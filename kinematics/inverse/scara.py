@@ -11,10 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
 
-from ..dh import Joint, Robot
-from .closed_form import Branches, Singularity, UnreachableError
-from .screws import SQUARE, Screws, batch, branches_of, screws
+from ..dh import Robot
+from .closed_form import Branches, Singularity, refuse_unreachable
+from .screws import SQUARE, branches_of, screws
 from .six_axes import require
+from .targets import batch
 
 _TOUCHING = 1e-10  # [m] outside the reach that counts as rounding
 _STRETCHED = 1e-7  # sine of the elbow
@@ -29,23 +30,38 @@ def scara_branches(robot: Robot, T: ArrayLike) -> Branches:
         ValueError: a target is tilted against the axes.
         UnsolvableGeometryError: the robot is no SCARA; says why.
     """
-    axes, slide = _axes(robot)
-    targets, single = batch(T)
+    slides = np.flatnonzero(robot.slides).tolist()
+    complaint = f"has {robot.n_joints} joints and {len(slides)} slides, a SCARA has 4 and 1"
+    require(robot.n_joints == 4 and len(slides) == 1, robot, complaint)
+    slide = slides[0]
+    axes = screws(robot, "".join("P" if i == slide else "R" for i in range(4)))
+    crossed = np.linalg.norm(np.cross(axes.direction, axes.direction[0]), axis=1)
+    require(bool((crossed < SQUARE).all()), robot, "its axes are not parallel")
     turning = [i for i in range(4) if i != slide]
+    between = np.cross(np.diff(axes.point[turning], axis=0), axes.direction[0])
+    apart = bool((np.linalg.norm(between, axis=1) > SQUARE).all())
+    require(apart, robot, "upper arm or forearm has no length")
+    targets, single = batch(T)
     z = axes.direction[0]
-    x, y = _across(z)
+    other = np.eye(3)[int(np.argmin(np.abs(z)))]
+    x = other - (other @ z) * z
+    x /= np.linalg.norm(x)
+    y = np.cross(z, x)
     sign = axes.direction @ z
     turn = targets[:, :3, :3] @ axes.tool[:3, :3].T
-    _refuse_tilt(robot, turn @ z, z)
+    turned = turn @ z
+    tilt = np.arctan2(np.linalg.norm(np.cross(turned, z), axis=1), turned @ z)
+    if tilt.max(initial=0.0) > _TILT:
+        k = int(np.argmax(tilt))
+        by = f"{np.degrees(tilt[k]):.3g} deg"
+        raise ValueError(f"target {k} is tilted by {by} against the axes of {robot.name}")
     total = np.arctan2((turn @ x) @ y, (turn @ x) @ x)
     plane = x + 1j * y
     first, second, third = (axes.point[i] @ plane for i in turning)
     tool = axes.tool[:3, 3] @ plane
     third_axis = targets[:, :3, 3] @ plane - np.exp(1j * total) * (tool - third)
     A, B, outside, bent = _elbow(third_axis - first, second - first, third - second)
-    if outside.max(initial=0.0) > _TOUCHING:
-        k = int(np.argmax(outside > _TOUCHING))
-        raise UnreachableError(robot, k, float(outside[k]))
+    refuse_unreachable(robot, outside, _TOUCHING)
     q = np.empty((len(targets), 2, 4))
     angles = A, B - A, total[:, None] - B
     for joint, angle in zip(turning, angles, strict=True):
@@ -54,28 +70,6 @@ def scara_branches(robot: Robot, T: ArrayLike) -> Branches:
     q[..., slide] = (sign[slide] * height)[:, None]
     flags = np.where(bent, 0, Singularity.ELBOW)[:, None] * np.ones((1, 2), dtype=int)
     return branches_of(robot, q, np.ones(q.shape[:2], dtype=bool), flags, single)
-
-
-def _axes(robot: Robot) -> tuple[Screws, int]:
-    """Axes of a SCARA, and the index of its slide."""
-    slides = [i for i, k in enumerate(robot.moving) if robot.links[k].joint is Joint.PRISMATIC]
-    complaint = f"has {robot.n_joints} joints and {len(slides)} slides, a SCARA has 4 and 1"
-    require(robot.n_joints == 4 and len(slides) == 1, robot, complaint)
-    axes = screws(robot, "".join("P" if i == slides[0] else "R" for i in range(4)))
-    crossed = np.linalg.norm(np.cross(axes.direction, axes.direction[0]), axis=1)
-    require(bool((crossed < SQUARE).all()), robot, "its axes are not parallel")
-    turning = np.delete(axes.point, slides[0], axis=0)
-    apart = np.linalg.norm(np.cross(np.diff(turning, axis=0), axes.direction[0]), axis=1)
-    require(bool((apart > SQUARE).all()), robot, "upper arm or forearm has no length")
-    return axes, slides[0]
-
-
-def _across(z: Array) -> tuple[Array, Array]:
-    """Two unit vectors (3,) across a direction, right-handed with it."""
-    other = np.eye(3)[int(np.argmin(np.abs(z)))]
-    across: Array = other - (other @ z) * z
-    x: Array = across / float(np.linalg.norm(across))
-    return x, np.asarray(np.cross(z, x), dtype=np.float64)
 
 
 def _elbow(w: Any, l1: complex, l2: complex) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
@@ -89,11 +83,3 @@ def _elbow(w: Any, l1: complex, l2: complex) -> tuple[Array, Array, Array, NDArr
     bend = np.array([1.0, -1.0]) * gamma[:, None]
     A = np.angle(w)[:, None] - np.angle(a + b * np.exp(1j * bend))
     return A - np.angle(l1), A + bend - np.angle(l2), outside, sine >= _STRETCHED
-
-
-def _refuse_tilt(robot: Robot, turned: Array, z: Array) -> None:
-    tilt = np.arctan2(np.linalg.norm(np.cross(turned, z), axis=1), turned @ z)
-    if tilt.max(initial=0.0) > _TILT:
-        k = int(np.argmax(tilt))
-        by = f"{np.degrees(tilt[k]):.3g} deg"
-        raise ValueError(f"target {k} is tilted by {by} against the axes of {robot.name}")

@@ -8,16 +8,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from armside.arrays import Array, real_array
+from armside.arrays import Array
 
-from ..dh import Joint, Robot
+from ..dh import Robot
 from ..rigid import link_transform, standard_links
 from ..rotation import from_axis_angle
 from .closed_form import Branches
 from .six_axes import require
-from .targets import check_rigid
 
 ALIGNED = 1e-10
 """Sine between the first and the third axis below which the first angle is free."""
@@ -71,12 +70,10 @@ def screws(robot: Robot, kinds: str) -> Screws:
         UnsolvableGeometryError: it has symbols, or other joints.
     """
     require(not robot.free_symbols, robot, "has symbolic parameters")
-    links = standard_links(robot)
-    moving = [link.joint for link in links if link.moves]
-    given = "".join("R" if joint is Joint.REVOLUTE else "P" for joint in moving)
+    given = "".join("P" if slides else "R" for slides in robot.slides)
     require(given == kinds, robot, f"its joints are {given}, not {kinds}")
     T, directions, points = np.eye(4), [], []
-    for link in links:
+    for link in standard_links(robot):
         if link.moves:
             directions.append(T[:3, 2])
             points.append(T[:3, 3])
@@ -107,15 +104,6 @@ def meeting_point(robot: Robot, axes: Screws, first: int) -> Array:
     return np.asarray(point, dtype=np.float64)
 
 
-def batch(T: ArrayLike) -> tuple[Array, bool]:
-    """Checked targets (N, 4, 4), and True for a single one."""
-    given = real_array("T", T)
-    if given.ndim not in (2, 3) or given.shape[-2:] != (4, 4):
-        raise ValueError(f"T must have shape (4, 4) or (N, 4, 4), got {given.shape}")
-    check_rigid(given)
-    return given.reshape(-1, 4, 4), given.ndim == 2
-
-
 def branches_of(
     robot: Robot, q: Array, exists: NDArray[np.bool_], singular: Any, single: bool
 ) -> Branches:
@@ -123,8 +111,7 @@ def branches_of(
 
     exists and singular: (N, b); NaN where a branch does not exist.
     """
-    revolute = np.array([robot.links[i].joint is Joint.REVOLUTE for i in robot.moving])
-    turns = np.where(revolute, np.round((q - robot.offset) / (2 * np.pi)), 0.0)
+    turns = np.where(robot.slides, 0.0, np.round((q - robot.offset) / (2 * np.pi)))
     phi = robot.motor_angles(np.nan_to_num(q) - 2 * np.pi * np.nan_to_num(turns))
     phi[~exists] = np.nan
     flags = np.where(exists, singular, 0).astype(np.int8)

@@ -15,23 +15,13 @@ from armside.arrays import Array, finite_array, real_array
 
 from ..dh import Robot
 from ..rotation import from_axis_angle
-from .closed_form import Branches, Singularity, UnreachableError
-from .screws import (
-    SQUARE,
-    Screws,
-    batch,
-    branches_of,
-    meeting_point,
-    require_square,
-    screws,
-    three_axes,
-)
+from .closed_form import Branches, Singularity, refuse_unreachable
+from .screws import SQUARE, Screws, branches_of, meeting_point, require_square, screws, three_axes
 from .six_axes import require
+from .targets import batch
 
 _TOUCHING = 1e-10  # [m] outside the reach that counts as rounding
-_NEAR = (
-    1e-7  # [m] of the elbow from the line of shoulder and wrist, or [-] of that line from axis 1
-)
+_NEAR = 1e-7  # [m] of the elbow from the line of shoulder and wrist, [-] of that line from axis 1
 _COINCIDENT = 1e-100  # [m] from shoulder to wrist of a folded arm, for which it may be 0
 
 
@@ -67,9 +57,7 @@ def seven_axis_branches(robot: Robot, T: ArrayLike, elbow: ArrayLike) -> Branche
     d, D = _line(arm, W)
     L1, L2 = (float(np.linalg.norm(end - arm.elbow)) for end in (arm.shoulder, arm.wrist))
     outside = np.maximum(D - (L1 + L2), abs(L1 - L2) - D)
-    if outside.max(initial=0.0) > _TOUCHING:
-        k = int(np.argmax(outside > _TOUCHING))
-        raise UnreachableError(robot, k, float(outside[k]))
+    refuse_unreachable(robot, outside, _TOUCHING)
     u, q = arm.axes.direction, np.empty((len(targets), 8, 7))
     flags, side, beside = np.empty((len(targets), 8), dtype=int), *_side(u[0], d, psi)
     for bent, sign in enumerate((1.0, -1.0)):
@@ -156,8 +144,5 @@ def _bend(
     normal = sign * np.cross(d, side)
     now = np.stack([upper, normal, np.cross(upper, normal)], axis=-1)
     first = np.stack([-s / L1, u, np.cross(-s / L1, u)], axis=-1)
-    return (
-        q4,
-        np.asarray(now @ first.T, dtype=np.float64),
-        (height < _NEAR) | (area < _NEAR * L1 * L2),
-    )
+    R = np.asarray(now @ first.T, dtype=np.float64)
+    return q4, R, (height < _NEAR) | (area < _NEAR * L1 * L2)

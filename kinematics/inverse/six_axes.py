@@ -7,7 +7,6 @@ parallel. The tests work on a standard Denavit-Hartenberg table; a modified one 
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import atan2, cos, hypot, pi, sin
-from typing import TypeVar
 
 import numpy as np
 
@@ -29,20 +28,18 @@ class UnsolvableGeometryError(ValueError):
 class ClosedArm:
     """Constants of a closed form.
 
-    Inverse transforms (4, 4) of the links before the first joint and of everything after
-    Rot_z(theta6), the vector g of the compiled kernel, and theta = M phi + constant, where theta
-    are the angles of that kernel.
+    Name of its kernel, "wrist" or "parallel", inverse transforms (4, 4) of the links before the
+    first joint and of everything after Rot_z(theta6), the vector g of the kernel, and
+    theta = M phi + constant, where theta are the angles of that kernel.
     """
 
+    kernel: str
     head_inverse: Array
     tail_inverse: Array
     geometry: Array
     M: Array
     M_inverse: Array
     constant: Array
-
-
-Arm = TypeVar("Arm", bound=ClosedArm)
 
 
 def require(condition: bool, robot: Robot, complaint: str) -> None:
@@ -53,12 +50,71 @@ def require(condition: bool, robot: Robot, complaint: str) -> None:
         )
 
 
-def six_links(robot: Robot) -> tuple[Link, ...]:
-    """The moving links of a robot of six revolute joints, in the standard convention.
+@lru_cache(maxsize=64)
+def solvable_arm(robot: Robot) -> ClosedArm:
+    """Constants of the closed form of a robot's kind.
 
     Raises:
-        UnsolvableGeometryError: says what the robot has instead.
+        UnsolvableGeometryError: there is none; says which parameter stands in the way.
     """
+    try:
+        return wrist_arm(robot)
+    except UnsolvableGeometryError:
+        if all(abs(sin(float(link.alpha))) < TINY for link in _six_links(robot)[1:3]):
+            return _parallel_arm(robot)
+        raise
+
+
+def wrist_arm(robot: Robot) -> ClosedArm:
+    """Constants of an elbow arm with a spherical wrist. Raises UnsolvableGeometryError."""
+    six, shift = _six_links(robot), np.zeros(6)
+    for name, value in (("a4", six[3].a), ("a5", six[4].a), ("d5", six[4].d)):
+        complaint = f"the wrist is not spherical: {name} = {value} m"
+        require(abs(float(value)) < TINY, robot, complaint)
+    d1, d2, d3, d4 = (float(link.d) for link in six[:4])
+    a1, a2, a3 = (float(link.a) for link in six[:3])
+    alpha1, alpha2, alpha3 = (float(link.alpha) for link in six[:3])
+    require(abs(sin(alpha2)) < TINY, robot, f"axes 2 and 3 are not parallel: alpha2 = {alpha2}")
+    sigma = 1.0 if cos(alpha2) > 0 else -1.0
+    forearm = (a3, -sigma * sin(alpha3) * d4)
+    offset = d2 + sigma * (d3 + cos(alpha3) * d4)
+    geometry = np.array(
+        [
+            d1, a1, sin(alpha1), cos(alpha1), abs(a2), hypot(*forearm),
+            atan2(forearm[1], forearm[0]), offset, sigma, sin(float(six[3].alpha)),
+            sin(float(six[4].alpha)), sin(alpha3), cos(alpha3),
+        ]
+    )  # fmt: skip
+    if a2 < 0:  # the same arm with a2 > 0, theta2 half a turn on and theta3 back
+        shift[1:3] = pi, -pi * np.sign(cos(alpha2))
+    return _closed_arm("wrist", robot, six, geometry, shift)
+
+
+def _parallel_arm(robot: Robot) -> ClosedArm:
+    """Constants of a robot whose axes 2, 3 and 4 are parallel; all lengths but a5 may be there."""
+    six = _six_links(robot)
+    d1, d2, d3, d4, d5 = (float(link.d) for link in six[:5])
+    a1, a2, a3, a4, a5 = (float(link.a) for link in six[:5])
+    alpha1, t, s = float(six[0].alpha), sin(float(six[3].alpha)), sin(float(six[4].alpha))
+    require(abs(a5) < TINY, robot, f"axes 5 and 6 do not meet: a5 = {a5} m")
+    # sigma = cos alpha2 and tau = cos alpha2 cos alpha3: axes 3 and 4 along axis 2 or against
+    sigma, following = (1.0 if cos(float(link.alpha)) > 0 else -1.0 for link in six[1:3])
+    tau = sigma * following
+    side, offset = t * tau, d2 + sigma * d3 + tau * d4
+    geometry = np.array(
+        [
+            d1, a1, sin(alpha1), cos(alpha1), abs(a2), abs(a3), hypot(a4, d5),
+            atan2(-side * d5, a4), offset, sigma, tau, side, s,
+        ]
+    )  # fmt: skip
+    # half turns of theta2, theta3 and theta4 that make a2 and a3 positive
+    upper, fore = (pi if a < 0 else 0.0 for a in (a2, a3))
+    shift = np.array([0.0, upper, sigma * (fore - upper), -tau * fore, 0.0, 0.0])
+    return _closed_arm("parallel", robot, six, geometry, shift)
+
+
+def _six_links(robot: Robot) -> tuple[Link, ...]:
+    """The moving links of a robot of six revolute joints, in the standard convention."""
     require(not robot.free_symbols, robot, "has symbolic parameters")
     links = standard_links(robot)
     moving = [i for i, link in enumerate(links) if link.moves]
@@ -70,133 +126,27 @@ def six_links(robot: Robot) -> tuple[Link, ...]:
     return six
 
 
-def closed_arm(kind: type[Arm], robot: Robot, geometry: Array, shift: Array) -> Arm:
-    """Constants of a robot of `six_links`; shift (6,) [rad] takes D-H angles to the kernel's."""
+def _closed_arm(
+    kernel: str, robot: Robot, six: tuple[Link, ...], geometry: Array, shift: Array
+) -> ClosedArm:
+    """Constants of a robot, once its first axes and its wrist are checked.
+
+    shift: (6,) [rad], takes D-H angles to the kernel's.
+    """
+    for number in (4, 5):
+        alpha = six[number - 1].alpha
+        complaint = f"the wrist axes are not at right angles: alpha{number} = {alpha} rad"
+        require(abs(cos(float(alpha))) < TINY, robot, complaint)
+    alpha1 = float(six[0].alpha)
+    require(abs(sin(alpha1)) > 1e-6, robot, f"axes 1 and 2 are parallel: alpha1 = {alpha1}")
+    require(min(geometry[4:6]) > TINY, robot, "upper arm or forearm has no length")
     links = standard_links(robot)
     first = next(i for i, link in enumerate(links) if link.moves)
-    six = links[first : first + 6]
     head, rest = chain_transform(links[:first]), chain_transform(links[first + 6 :])
     tail = link_transform(replace(six[5], theta=0, joint=Joint.FIXED)) @ rest
     constant = robot.offset + [float(link.theta) for link in six] + shift
     M = robot.coupling.copy()
     M_inverse = np.asarray(np.linalg.inv(M), dtype=np.float64)
-    return kind(rigid.inverse(head), rigid.inverse(tail), geometry, M, M_inverse, constant)
-
-
-class WristArm(ClosedArm):
-    """Constants of the closed form of an elbow arm with a spherical wrist."""
-
-    @property
-    def reach(self) -> tuple[float, float]:
-        """Least and greatest distance of the wrist centre from axis 2 [m], in the arm's plane."""
-        a2, L = self.geometry[4], self.geometry[5]
-        return abs(a2 - L), a2 + L
-
-
-@lru_cache(maxsize=64)
-def wrist_arm(robot: Robot) -> WristArm:
-    """The geometry of an elbow arm with a spherical wrist.
-
-    Raises:
-        UnsolvableGeometryError: says which parameter stands in the way, and the numeric fallback.
-    """
-    six, shift = six_links(robot), np.zeros(6)
-    _check_wrist(robot, six)
-    _check_arm(robot, six)
-    if float(six[1].a) < 0:  # the same arm with a2 > 0, theta2 half a turn on and theta3 back
-        shift[1:3] = pi, -pi * np.sign(cos(float(six[1].alpha)))
-    return closed_arm(WristArm, robot, _geometry(six), shift)
-
-
-def _check_wrist(robot: Robot, six: tuple[Link, ...]) -> None:
-    """Axes 4, 5, 6 meet in one point, at right angles."""
-    for name, value in (("a4", six[3].a), ("a5", six[4].a), ("d5", six[4].d)):
-        complaint = f"the wrist is not spherical: {name} = {value} m"
-        require(abs(float(value)) < TINY, robot, complaint)
-    for name, link in (("alpha4", six[3]), ("alpha5", six[4])):
-        complaint = f"the wrist axes are not at right angles: {name} = {link.alpha} rad"
-        require(abs(cos(float(link.alpha))) < TINY, robot, complaint)
-
-
-def _check_arm(robot: Robot, six: tuple[Link, ...]) -> None:
-    """Axis 2 is parallel to axis 3 and not to axis 1; both arm lengths are there."""
-    alpha1, alpha2 = float(six[0].alpha), float(six[1].alpha)
-    require(abs(sin(alpha2)) < TINY, robot, f"axes 2 and 3 are not parallel: alpha2 = {alpha2}")
-    require(abs(sin(alpha1)) > 1e-6, robot, f"axes 1 and 2 are parallel: alpha1 = {alpha1}")
-    g = _geometry(six)
-    require(g[4] > TINY and g[5] > TINY, robot, "upper arm or forearm has no length")
-
-
-def _geometry(six: tuple[Link, ...]) -> Array:
-    d1, d2, d3, d4 = (float(link.d) for link in six[:4])
-    a1, a2, a3 = (float(link.a) for link in six[:3])
-    alpha1, alpha2, alpha3 = (float(link.alpha) for link in six[:3])
-    sigma = 1.0 if cos(alpha2) > 0 else -1.0
-    forearm = (a3, -sigma * sin(alpha3) * d4)
-    offset = d2 + sigma * (d3 + cos(alpha3) * d4)
-    return np.array(
-        [
-            d1, a1, sin(alpha1), cos(alpha1), abs(a2), hypot(*forearm),
-            atan2(forearm[1], forearm[0]), offset, sigma, sin(float(six[3].alpha)),
-            sin(float(six[4].alpha)), sin(alpha3), cos(alpha3),
-        ]
-    )  # fmt: skip
-
-
-class ParallelArm(ClosedArm):
-    """Constants of the closed form of an arm with three parallel axes."""
-
-
-def has_parallel_axes(robot: Robot) -> bool:
-    """True if axes 2, 3 and 4 of six revolute axes are parallel.
-
-    Raises:
-        UnsolvableGeometryError: the robot has no six revolute joints in a row.
-    """
-    return all(abs(sin(float(link.alpha))) < TINY for link in six_links(robot)[1:3])
-
-
-def parallel_arm(robot: Robot) -> ParallelArm:
-    """The geometry of a robot with `has_parallel_axes`; all lengths but a5 may be there.
-
-    Raises:
-        UnsolvableGeometryError: says which parameter stands in the way, and the numeric fallback.
-    """
-    six = six_links(robot)
-    for number in (4, 5):
-        alpha = six[number - 1].alpha
-        complaint = f"the wrist axes are not at right angles: alpha{number} = {alpha} rad"
-        require(abs(cos(float(alpha))) < TINY, robot, complaint)
-    a2, a3, a5 = (float(six[i].a) for i in (1, 2, 4))
-    require(abs(a5) < TINY, robot, f"axes 5 and 6 do not meet: a5 = {a5} m")
-    alpha1 = float(six[0].alpha)
-    require(abs(sin(alpha1)) > 1e-6, robot, f"axes 1 and 2 are parallel: alpha1 = {alpha1}")
-    require(abs(a2) > TINY and abs(a3) > TINY, robot, "upper arm or forearm has no length")
-    return closed_arm(ParallelArm, robot, _parallel_geometry(six), _shift(six))
-
-
-def _turns(six: tuple[Link, ...]) -> tuple[float, float]:
-    """sigma = cos alpha2 and tau = cos alpha2 cos alpha3: axes 3 and 4 along axis 2 or against."""
-    sigma, following = (1.0 if cos(float(link.alpha)) > 0 else -1.0 for link in six[1:3])
-    return sigma, sigma * following
-
-
-def _shift(six: tuple[Link, ...]) -> Array:
-    """Half turns of theta2, theta3 and theta4 that make a2 and a3 positive."""
-    sigma, tau = _turns(six)
-    upper, fore = (pi if float(link.a) < 0 else 0.0 for link in six[1:3])
-    return np.array([0.0, upper, sigma * (fore - upper), -tau * fore, 0.0, 0.0])
-
-
-def _parallel_geometry(six: tuple[Link, ...]) -> Array:
-    d1, d2, d3, d4, d5 = (float(link.d) for link in six[:5])
-    a1, a2, a3, a4 = (float(link.a) for link in six[:4])
-    alpha1, t, s = float(six[0].alpha), sin(float(six[3].alpha)), sin(float(six[4].alpha))
-    sigma, tau = _turns(six)
-    side, offset = t * tau, d2 + sigma * d3 + tau * d4
-    return np.array(
-        [
-            d1, a1, sin(alpha1), cos(alpha1), abs(a2), abs(a3), hypot(a4, d5),
-            atan2(-side * d5, a4), offset, sigma, tau, side, s,
-        ]
-    )  # fmt: skip
+    return ClosedArm(
+        kernel, rigid.inverse(head), rigid.inverse(tail), geometry, M, M_inverse, constant
+    )

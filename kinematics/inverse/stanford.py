@@ -14,8 +14,9 @@ from armside.arrays import Array
 
 from ..dh import Robot
 from ..rotation import from_axis_angle
-from .closed_form import Branches, Singularity, UnreachableError
-from .screws import Screws, batch, branches_of, meeting_point, require_square, screws, three_axes
+from .closed_form import Branches, Singularity, refuse_unreachable
+from .screws import Screws, branches_of, meeting_point, require_square, screws, three_axes
+from .targets import batch
 
 _TOUCHING = 1e-10  # [m] outside the reach that counts as rounding
 _NEAR = 1e-7  # [m] from a singularity of the arm
@@ -31,15 +32,15 @@ def stanford_branches(robot: Robot, T: ArrayLike) -> Branches:
         UnreachableError: a target has no solution; says its distance from the workspace.
         UnsolvableGeometryError: the robot is of another kind; says why.
     """
-    axes, centre = _axes(robot)
+    axes = screws(robot, "RRPRRR")
+    for one, other in ((1, 2), (2, 3), (4, 5), (5, 6)):
+        require_square(robot, axes, one, other)
+    centre = meeting_point(robot, axes, 4)
     targets, single = batch(T)
     turn = targets[:, :3, :3] @ axes.tool[:3, :3].T
     C = targets[:, :3, 3] - turn @ (axes.tool[:3, 3] - centre)
     arm, short, near = _arm(axes, centre, C)
-    outside = short.min(axis=1)
-    if outside.max(initial=0.0) > _TOUCHING:
-        k = int(np.argmax(outside > _TOUCHING))
-        raise UnreachableError(robot, k, float(outside[k]))
+    refuse_unreachable(robot, short.min(axis=1), _TOUCHING)
     u, q = axes.direction, np.empty((len(targets), 8, 6))
     flags = np.empty((len(targets), 8), dtype=int)
     for b in range(4):
@@ -51,14 +52,6 @@ def stanford_branches(robot: Robot, T: ArrayLike) -> Branches:
         flags[:, 2 * b : 2 * b + 2] = (near | np.where(aligned, Singularity.WRIST, 0))[:, None]
     exists = np.repeat(short <= _TOUCHING, 2, axis=1)
     return branches_of(robot, q, exists, flags, single)
-
-
-def _axes(robot: Robot) -> tuple[Screws, Array]:
-    """Axes of the arm, and its wrist centre (3,) at zero."""
-    axes = screws(robot, "RRPRRR")
-    for one, other in ((1, 2), (2, 3), (4, 5), (5, 6)):
-        require_square(robot, axes, one, other)
-    return axes, meeting_point(robot, axes, 4)
 
 
 def _arm(axes: Screws, centre: Array, C: Array) -> tuple[Array, Array, Any]:

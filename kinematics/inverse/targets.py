@@ -4,15 +4,19 @@ from enum import Enum
 from typing import NoReturn
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from armside.arrays import Array
+from armside.arrays import Array, real_array
 
-from ..dh import Joint, Limits, Robot
+from ..dh import Limits, Robot
 from ..rigid import ORTHOGONAL
 
 
-def check_rigid(T: Array) -> None:
-    """Refuse poses (..., 4, 4) that are not rigid motions."""
+def batch(T: ArrayLike) -> tuple[Array, bool]:
+    """Targets (N, 4, 4), and True for a single one. Raises ValueError for other than poses."""
+    T = real_array("T", T)
+    if T.ndim not in (2, 3) or T.shape[-2:] != (4, 4):
+        raise ValueError(f"T must have shape (4, 4) or (N, 4, 4), got {T.shape}")
     R = T[..., :3, :3]
     if not (
         np.isfinite(T).all()
@@ -21,6 +25,7 @@ def check_rigid(T: Array) -> None:
         and (T[..., 3, :] == [0, 0, 0, 1]).all()
     ):
         refuse_motion(T)
+    return T.reshape(-1, 4, 4), T.ndim == 2
 
 
 def refuse_motion(T: Array) -> NoReturn:
@@ -39,36 +44,32 @@ class Cause(Enum):
 
 
 def limit_passed(phi: Array, limits: Limits, slack: float = 0.0) -> str | None:
-    """The range that phi (n,) is furthest beyond, in words; None if it is in all."""
-    words = [f"motor {i} would be at" for i in range(1, len(phi) + 1)]
-    values, lower, upper = list(phi), list(limits.lower), list(limits.upper)
+    """The range that phi is furthest beyond, in words; None if it is in all.
+
+    phi: (n,), or (k, n) configurations, of which the one that is least beyond its ranges counts.
+    """
+    phi = np.atleast_2d(phi)
+    words = [f"motor {i} would be at" for i in range(1, phi.shape[1] + 1)]
+    values, lower, upper = list(phi.T), list(limits.lower), list(limits.upper)
     for bound in limits.coupled:
         terms = [f"{k:+g} phi_{i}" for i, k in enumerate(bound.coefficients, 1) if k]
         words.append(f"{' '.join(terms)} would be")
-        values.append(float(phi @ np.asarray(bound.coefficients)))
+        values.append(phi @ np.asarray(bound.coefficients))
         lower.append(bound.lower)
         upper.append(bound.upper)
-    beyond = np.maximum(np.subtract(values, upper), np.subtract(lower, values))
-    worst = int(np.argmax(beyond))
-    if beyond[worst] <= slack:
+    at = np.transpose(values)
+    beyond = np.maximum(at - upper, lower - at)
+    least = int(np.argmin(beyond.max(axis=1)))
+    worst = int(np.argmax(beyond[least]))
+    if beyond[least, worst] <= slack:
         return None
-    at, low, high = values[worst], lower[worst], upper[worst]
-    return f"{words[worst]} {at:.4f}, and its range is {low:.4f} to {high:.4f}"
-
-
-def least_passed(phi: Array, limits: Limits) -> str:
-    """The range that the best of configurations phi (k, n), all beyond the limits, is beyond."""
-    ends = np.maximum(phi - np.asarray(limits.upper), np.asarray(limits.lower) - phi)
-    beyond = ends.max(axis=1)
-    for bound in limits.coupled:
-        value = phi @ np.asarray(bound.coefficients)
-        beyond = np.maximum(beyond, np.maximum(value - bound.upper, bound.lower - value))
-    return str(limit_passed(phi[int(np.argmin(beyond))], limits))
+    low, high = lower[worst], upper[worst]
+    return f"{words[worst]} {at[least, worst]:.4f}, and its range is {low:.4f} to {high:.4f}"
 
 
 def joint_jump(robot: Robot, before: Array, phi: Array) -> str:
     """The revolute joint that turns most between two configurations (n,), in words."""
     turn = np.abs(robot.coupling @ (phi - before))
-    turn *= [robot.links[i].joint is Joint.REVOLUTE for i in robot.moving]
+    turn *= ~np.array(robot.slides)
     joint = int(np.argmax(turn))
     return f"joint {joint + 1} would turn by {np.degrees(turn[joint]):.0f} deg in one step"

@@ -36,9 +36,7 @@ def decoupled_determinant(robot: Robot) -> tuple[Expression, Expression]:
 
     A spherical wrist makes J block triangular there, so det J = det J_11 det J_22. The first does
     not depend on the angle of axis 1, nor the second on those of axes 4 and 6: they are taken as 0.
-
-    Raises:
-        UnsolvableGeometryError: the wrist is not spherical, or the arm no elbow arm.
+    Raises UnsolvableGeometryError for other arms.
     """
     wrist_arm(robot)
     theta = [sp.Symbol(f"theta_{i}", real=True) if i in (2, 3, 5) else 0 for i in range(1, 7)]
@@ -73,19 +71,6 @@ def manipulability(J: ArrayLike) -> Array:
     return np.prod(np.linalg.svd(J, compute_uv=False), axis=-1)
 
 
-def distance_to_singularity(J: ArrayLike) -> Array:
-    """Least singular value of Jacobians (..., 6, n), shape (...)."""
-    values = np.linalg.svd(np.asarray(J, dtype=np.float64), compute_uv=False)
-    return np.asarray(values[..., -1], dtype=np.float64)
-
-
-def lost_directions(J: ArrayLike, tolerance: float = 1e-9) -> Array:
-    """Unit six-vectors (v, omega) outside the range of one Jacobian, as columns, shape (6, k)."""
-    U, S, _ = np.linalg.svd(np.asarray(J, dtype=np.float64))
-    rank = int((tolerance * max(S[0], 1e-300) < S).sum())
-    return U[:, rank:]
-
-
 @dataclass(frozen=True)
 class RobotDescription:
     """D-H table, T_base_tool at phi = 0, reach and singularities, exact where the numbers are."""
@@ -104,7 +89,8 @@ def describe(robot: Robot) -> RobotDescription:
     phi = [symbol("phi", i) for i in range(1, robot.n_joints + 1)]
     table = tuple(exact_parameters(link) for link in at(robot, phi).links)
     try:
-        reach, found = wrist_arm(robot).reach, conditions(robot)
+        a2, forearm = wrist_arm(robot).geometry[4:6].tolist()
+        reach, found = (abs(a2 - forearm), a2 + forearm), conditions(robot)
     except UnsolvableGeometryError:
         reach, found = None, None
     return RobotDescription(robot, table, matrix_t(robot)[-1], reach, found)

@@ -218,15 +218,12 @@ def variable_link(link: Link, name: str = "q", index: int | None = None) -> Link
     if link.joint is Joint.FIXED:
         return link
     field = "theta" if link.joint is Joint.REVOLUTE else "d"
-    if sp.sympify(getattr(link, field)).is_number:
+    parameter = sp.sympify(getattr(link, field))
+    if parameter.is_number:
         return link
-    index = _greatest_index(getattr(link, field)) if index is None else index
+    if index is None:
+        names = [str(s) for s in parameter.free_symbols - {t}]
+        names += [f.func.__name__ for f in functions_of_time([parameter])]
+        tails = [name.rpartition("_")[2] for name in names if "_" in name]
+        index = max((int(tail) for tail in tails if tail.isdecimal()), default=None)
     return replace(link, **{field: moving(name, index)})
-
-
-def _greatest_index(expression: Any) -> int | None:
-    functions = functions_of_time([expression])
-    symbols = expression.free_symbols - {t}
-    names = [f.func.__name__ for f in functions] + [str(s) for s in symbols]
-    tails = [name.rpartition("_")[2] for name in names if "_" in name]
-    return max((int(tail) for tail in tails if tail.isdecimal()), default=None)

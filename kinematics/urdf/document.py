@@ -18,24 +18,24 @@ from ..rotation import from_roll_pitch_yaw
 from .links_and_joints import WHOLE_TURN, Document, Fault, Inertial, Kind, UrdfJoint
 
 _HUGE = 1e6  # greatest number that is accepted, in any unit
+ORIGIN, X_AXIS = np.zeros(3), np.array([1.0, 0.0, 0.0])
+"""Values of attributes that are not there."""
 
 
 def transform(where: str, element: Element) -> Array:
     """T (4, 4) of <origin>: rpy are rotations about the fixed axes x, y, z."""
     T = np.eye(4)
-    roll, pitch, yaw = vector(where, element, "origin", "rpy", (0.0, 0.0, 0.0))
+    roll, pitch, yaw = vector(where, element, "origin", "rpy", ORIGIN)
     T[:3, :3] = from_roll_pitch_yaw([yaw, pitch, roll])
-    T[:3, 3] = vector(where, element, "origin", "xyz", (0.0, 0.0, 0.0))
+    T[:3, 3] = vector(where, element, "origin", "xyz", ORIGIN)
     return T
 
 
-def vector(
-    where: str, element: Element, tag: str, name: str, default: tuple[float, float, float]
-) -> Array:
+def vector(where: str, element: Element, tag: str, name: str, default: Array) -> Array:
     """Three numbers (3,) of an attribute of a child, or the default where it is not there."""
     text = attribute(element, tag, name)
     if text is None:
-        return np.array(default)
+        return default
     values = [number(f"{where}: {tag} {name}", word) for word in text.split()]
     if len(values) != 3:
         raise ValueError(f"{where}: {tag} {name} must be three numbers, got {text[:60]!r}")
@@ -79,45 +79,30 @@ def inertial_of(where: str, element: Element | None) -> Inertial | None:
 
 
 def joint_of(element: Element, name: str, links: Collection[str]) -> UrdfJoint:
-    """A joint between two of the links; wrong numbers are its fault.
-
-    Raises:
-        ValueError: its type or its ends are wrong; names the joint and what is allowed.
-    """
-    where, given = f"joint {name!r}", element.get("type", "")
+    """A joint between two of the links; wrong numbers are its fault, wrong ends a ValueError."""
+    where, given, ends = f"joint {name!r}", element.get("type", ""), list[str]()
     if given not in (allowed := [kind.value for kind in Kind if kind is not Kind.BALL]):
         raise ValueError(f"{where}: type must be one of {', '.join(allowed)}, got {given!r}")
+    for tag in ("parent", "child"):
+        if (link := attribute(element, tag, "link")) not in links:
+            raise ValueError(f"{where}: {tag} link {link!r} is not in the file")
+        ends.append(str(link))
     kind, mimic = Kind(given), element.find("mimic")
-    parent, child = (_end(where, element, tag, links) for tag in ("parent", "child"))
     mimics = None if mimic is None else mimic.get("joint", "")
     try:
-        numbers = _numbers(where, kind, element)
+        origin, axis = transform(where, element), _axis(where, kind, element)
+        reach, speed = _range(where, kind, element), _speed(where, kind, element)
     except ValueError as error:
-        nowhere = np.eye(4), np.array([1.0, 0.0, 0.0]), (-inf, inf), None
-        return UrdfJoint(name, kind, parent, child, *nowhere, mimics, str(error))
-    return UrdfJoint(name, kind, parent, child, *numbers, mimics)
-
-
-def _numbers(
-    where: str, kind: Kind, element: Element
-) -> tuple[Array, Array, tuple[float, float], float | None]:
-    """Origin, axis, range and greatest speed."""
-    origin, axis = transform(where, element), _axis(where, kind, element)
-    return origin, axis, _range(where, kind, element), _speed(where, kind, element)
-
-
-def _end(where: str, element: Element, tag: str, links: Collection[str]) -> str:
-    link = attribute(element, tag, "link")
-    if link not in links:
-        raise ValueError(f"{where}: {tag} link {link!r} is not in the file")
-    return str(link)
+        nowhere = np.eye(4), X_AXIS, (-inf, inf), None
+        return UrdfJoint(name, kind, ends[0], ends[1], *nowhere, mimics, str(error))
+    return UrdfJoint(name, kind, ends[0], ends[1], origin, axis, reach, speed, mimics)
 
 
 def _axis(where: str, kind: Kind, element: Element) -> Array:
     """Unit vector (3,); that of a joint without an axis is not read."""
     if kind in (Kind.FIXED, Kind.FLOATING):
-        return np.array([1.0, 0.0, 0.0])
-    axis = vector(where, element, "axis", "xyz", (1.0, 0.0, 0.0))
+        return X_AXIS
+    axis = vector(where, element, "axis", "xyz", X_AXIS)
     length = float(np.linalg.norm(axis))
     if length < 1e-6:
         raise ValueError(f"{where}: axis must not be zero, got {axis.tolist()}")
@@ -157,9 +142,7 @@ LARGEST = 10_000_000
 def read_document(file: Path) -> Document:
     """Elements of a file; faults of single inertials and joints are kept with them.
 
-    Raises:
-        ValueError: the file is damaged; says which element is wrong and what is allowed.
-        OSError: the file cannot be read.
+    Raises OSError, or ValueError for a damaged file: which element is wrong and what is allowed.
     """
     if file.exists() and not file.is_file():
         raise ValueError("is no regular file")
@@ -167,7 +150,17 @@ def read_document(file: Path) -> Document:
         text = content.read(LARGEST + 1)
     if len(text) > LARGEST:
         raise ValueError(f"a URDF file has at most {LARGEST} bytes")
-    return _document(_root(text.decode("utf-8-sig")))
+    root, links = _root(text.decode("utf-8-sig")), dict[str, Inertial | Fault | None]()
+    for element, name in _named(root, "link"):
+        try:
+            links[name] = inertial_of(f"link {name!r}", element.find("inertial"))
+        except ValueError as error:
+            links[name] = Fault(str(error))
+    joints = tuple(joint_of(element, name, links) for element, name in _named(root, "joint"))
+    if not links:
+        raise ValueError("needs at least one <link>")
+    name = " ".join(root.get("name", "robot").split())[:80]
+    return Document(name if name and name.isprintable() else "robot", links, joints)
 
 
 def _root(text: str) -> Element:
@@ -182,20 +175,6 @@ def _root(text: str) -> Element:
     if any("xacro" in str(element.tag) for element in root.iter()):
         raise ValueError("has xacro elements: expand it first (ros2 run xacro xacro FILE)")
     return root
-
-
-def _document(root: Element) -> Document:
-    links: dict[str, Inertial | Fault | None] = {}
-    for element, name in _named(root, "link"):
-        try:
-            links[name] = inertial_of(f"link {name!r}", element.find("inertial"))
-        except ValueError as error:
-            links[name] = Fault(str(error))
-    joints = tuple(joint_of(element, name, links) for element, name in _named(root, "joint"))
-    if not links:
-        raise ValueError("needs at least one <link>")
-    name = " ".join(root.get("name", "robot").split())[:80]
-    return Document(name if name and name.isprintable() else "robot", links, joints)
 
 
 def _named(root: Element, tag: str) -> Iterator[tuple[Element, str]]:

@@ -80,18 +80,20 @@ def chain(document: Document, base: str | None, tip: str | None) -> tuple[UrdfJo
     """Joints from the base to the tip; by default from the root to `tool0` or the only end of the
     tree that moves.
 
-    Raises:
-        ValueError: the file is no tree, the links are not on one branch, several branches and no
-            tip, a joint on the chain that a serial arm cannot have, or none that moves.
+    Raises ValueError: the file is no tree, the links are not on one branch, several branches and no
+    tip, a joint on the chain that a serial arm cannot have, or none that moves.
     """
     parents = _parents(document)
     for end in filter(None, (base, tip)):
         if end not in document.links:
             raise ValueError(f"link {end!r} is not in the file; links: {_listed(document.links)}")
-    root = _root(document, parents)
-    tip = tip or _only_end(document, base or root)
+    roots = [link for link in document.links if link not in parents]
+    if len(roots) > 1:
+        raise ValueError(f"must have one link without a parent, got {_listed(roots)}")
+    first = base or roots[0]
+    tip = tip or _only_end(document, first)
     joints, link = [], tip
-    while link != (base or root):
+    while link != first:
         if link not in parents:
             raise ValueError(f"no chain leads from link {base!r} to link {tip!r}")
         joints.append(parents[link])
@@ -129,39 +131,23 @@ def _parents(document: Document) -> dict[str, UrdfJoint]:
     return parents
 
 
-def _root(document: Document, parents: dict[str, UrdfJoint]) -> str:
-    roots = [link for link in document.links if link not in parents]
-    if len(roots) > 1:
-        raise ValueError(f"must have one link without a parent, got {_listed(roots)}")
-    return roots[0]
-
-
 def _only_end(document: Document, base: str) -> str:
-    below, ends, links = children(document), [], [base]
+    below, ends, links = children(document), [], [(base, False)]
     while links:
-        link = links.pop()
-        links += [joint.child for joint in below[link]]
+        link, moves = links.pop()
         if not below[link]:
-            ends.append(link)
-    parents = _parents(document)
+            ends.append((link, moves))
+        links += [(joint.child, moves or joint.kind is not Kind.FIXED) for joint in below[link]]
     if len(ends) > 1:
-        ends = [end for end in ends if _moves(parents, base, end)] or ends
-    if TOOL in ends:
+        ends = [end for end in ends if end[1]] or ends
+    names = [link for link, _ in ends]
+    if TOOL in names:
         return TOOL
-    if len(ends) > 1:
-        names = _listed(sorted(ends))
+    if len(names) > 1:
         how = "`robot new --tip TIP`, elsewhere FILE#TIP"
-        raise ValueError(f"has several branches; choose a tip link, by {how}: {names}")
-    return ends[0]
-
-
-def _moves(parents: dict[str, UrdfJoint], base: str, link: str) -> bool:
-    """True where a joint between the base and a link below it moves."""
-    while link != base:
-        if parents[link].kind is not Kind.FIXED:
-            return True
-        link = parents[link].parent
-    return False
+        found = _listed(sorted(names))
+        raise ValueError(f"has several branches; choose a tip link, by {how}: {found}")
+    return names[0]
 
 
 def _check(joint: UrdfJoint) -> None:

@@ -42,7 +42,11 @@ def table(axes: list[Axis], tip: Array) -> tuple[tuple[Link, ...], list[Array]]:
     following = [*axes, Axis(Joint.FIXED, tip[:3, 3], tip[:3, 2])]
     F, links, frames = np.eye(4), [], []
     for kind, axis in zip(kinds, following, strict=True):
-        here = [_towards(F, axis, kind)]
+        towards = axis
+        if _PARALLEL < _sine(F, axis) < _NEARLY:  # a line at right angles on the way
+            foot = axis.point - F[:3, 2] * (F[:3, 2] @ (axis.point - F[:3, 3]))
+            towards = Axis(kind, foot, F[:3, 0])
+        here = [_normal(F, towards, kind)]
         F = F @ link_transform(here[0])
         if kind is not Joint.FIXED:
             frames.append(F)
@@ -62,14 +66,6 @@ def table(axes: list[Axis], tip: Array) -> tuple[tuple[Link, ...], list[Array]]:
 
 def _sine(F: Array, axis: Axis) -> float:
     return float(np.linalg.norm(np.cross(F[:3, 2], axis.direction)))
-
-
-def _towards(F: Array, axis: Axis, kind: Joint) -> Link:
-    """The link to an axis, or to a line at right angles on the way if it is nearly parallel."""
-    if _PARALLEL < _sine(F, axis) < _NEARLY:
-        foot = axis.point - F[:3, 2] * (F[:3, 2] @ (axis.point - F[:3, 3]))
-        return _normal(F, Axis(kind, foot, F[:3, 0]), kind)
-    return _normal(F, axis, kind)
 
 
 def _normal(F: Array, axis: Axis, kind: Joint) -> Link:
@@ -141,14 +137,12 @@ def arm_of(document: Document, base: str | None = None, tip: str | None = None) 
     robot = Robot(links, name=document.name)
     moving = [joint for joint in joints if joint.kind is not Kind.FIXED]
     for joint in moving:
+        quantity = "slide" if joint.kind is Kind.PRISMATIC else "range"
         for end, value in zip(("lower", "upper"), joint.range, strict=True):
-            quantity = "slide" if joint.kind is Kind.PRISMATIC else "range"
             check_unit(f"joint {joint.name!r}: limit {end}", quantity, value)
-    limits = Limits(
-        lower=tuple(joint.range[0] for joint in moving),
-        upper=tuple(joint.range[1] for joint in moving),
-        speed=tuple(SPEED if joint.speed is None else joint.speed for joint in moving),
-    )
+    lower, upper = zip(*(joint.range for joint in moving), strict=True)
+    speed = tuple(SPEED if joint.speed is None else joint.speed for joint in moving)
+    limits = Limits(lower=lower, upper=upper, speed=speed)
     bodies = _bodies(document, joints, places, robot, frames)
     names = tuple(joint.name for joint in moving)
     without_speed = tuple(joint.name for joint in moving if joint.speed is None)

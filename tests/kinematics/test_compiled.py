@@ -18,7 +18,6 @@ from armside.kinematics import (
     Body,
     Convention,
     InertialModel,
-    Joint,
     Link,
     Motor,
     Robot,
@@ -27,6 +26,7 @@ from armside.kinematics import (
     compile_measurement,
 )
 from armside.kinematics.equations import forward_kinematics
+from armside.kinematics.rigid import link_frames
 
 ROOT = Path(__file__).parents[2]
 RNG = np.random.default_rng(0)
@@ -165,38 +165,6 @@ def test_a_robot_with_symbols_cannot_be_compiled():
         compile(Robot([Link(a=sympy.Symbol("a1"))]))
 
 
-def elementary(link: Link, variable: float, convention: Convention) -> np.ndarray:
-    """A_i as a product of four 4 x 4 matrices: slow, and independent of the generated code."""
-    theta = link.theta + (variable if link.joint is Joint.REVOLUTE else 0)
-    d = link.d + (variable if link.joint is Joint.PRISMATIC else 0)
-
-    def rotation(axis: int, angle: float) -> np.ndarray:
-        T = np.eye(4)
-        i, j = [k for k in range(3) if k != axis]
-        T[i, i] = T[j, j] = np.cos(angle)
-        T[j, i] = np.sin(angle)
-        T[i, j] = -np.sin(angle)
-        return T
-
-    def translation(axis: int, distance: float) -> np.ndarray:
-        T = np.eye(4)
-        T[axis, 3] = distance
-        return T
-
-    about_z = rotation(2, theta) @ translation(2, d)
-    about_x = translation(0, link.a) @ rotation(0, link.alpha)
-    return about_z @ about_x if convention is Convention.STANDARD else about_x @ about_z
-
-
-def product(robot: Robot, phi: np.ndarray) -> np.ndarray:
-    variables = iter(robot.joint_variables(phi))
-    T = np.eye(4)
-    for link in robot.links:
-        variable = next(variables) if link.moves else 0.0
-        T = T @ elementary(link, variable, robot.convention)
-    return T
-
-
 CASES = [(n, convention) for n in (1, 2, 3, 5, 8) for convention in Convention]
 
 
@@ -211,7 +179,7 @@ def test_random_robots_obey_the_product_and_its_derivatives(
         interpreted(forward_kinematics.jacobian(robot)),
     )
     phi, rate, rate_dot = rng.uniform(-1, 1, (3, n))
-    np.testing.assert_allclose(pose(phi), product(robot, phi), rtol=0, atol=1e-13)
+    np.testing.assert_allclose(pose(phi), link_frames(robot, phi)[-1], rtol=0, atol=1e-13)
 
     h = 1e-5  # central differences of O(1) lengths: truncation 1e-10, rounding 1e-11
 
@@ -219,7 +187,7 @@ def test_random_robots_obey_the_product_and_its_derivatives(
         at = phi + rate * t + rate_dot * t * t / 2
         return jacobian(at) @ (rate + rate_dot * t)
 
-    T, ahead, behind = (product(robot, phi + rate * t) for t in (0, h, -h))
+    T, ahead, behind = (link_frames(robot, phi + rate * t)[-1] for t in (0, h, -h))
     T_dot = (ahead - behind) / (2 * h)
     spin = T_dot[:3, :3] @ T[:3, :3].T
     expected = [*T_dot[:3, 3], spin[2, 1], spin[0, 2], spin[1, 0]]
@@ -287,7 +255,7 @@ def test_without_a_writable_home_everything_works(tmp_path):
     places = {"HOME": str(blocked), "XDG_CACHE_HOME": str(blocked / "cache")}
     hexadecimal = run_program("", "pose", **places)[2]
     T = np.frombuffer(bytes.fromhex(hexadecimal)).reshape(4, 4)
-    np.testing.assert_allclose(T, product(LARGE_ROBOT, np.ones(6)), rtol=0, atol=1e-13)
+    np.testing.assert_allclose(T, link_frames(LARGE_ROBOT, np.ones(6))[-1], rtol=0, atol=1e-13)
 
 
 def test_compiled_functions_can_be_sent_to_another_process(irb1400):
@@ -329,11 +297,3 @@ def test_batches_cost_less_than_a_microsecond_each(irb1400):
             function(phi, out=out)
             times.append(time.process_time() - start)
         assert np.median(times) / len(phi) < 3 * 0.3e-6
-
-
-def test_large_robot_is_its_own_product_of_transforms():
-    functions = compile(LARGE_ROBOT)
-    for phi in PHI:
-        np.testing.assert_allclose(
-            functions.pose(phi), product(LARGE_ROBOT, phi), rtol=0, atol=1e-14
-        )

@@ -23,44 +23,25 @@ from armside.kinematics.dh import CoupledRange, check_unit
 from armside.kinematics.rigid import link_transform
 from armside.kinematics.rotation import from_axis_angle
 
-
-def test_a_joint_type_that_is_none_is_refused_by_name():
-    with pytest.raises(TypeError, match=r"joint must be one of Joint\.REVOLUTE.*got 'r'"):
-        Link(joint="r")  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
-def test_link_parameters_must_be_finite(value):
-    with pytest.raises(ValueError, match="alpha must be finite"):
-        Link(alpha=value)
-
-
-@pytest.mark.parametrize("value", [None, True, 1j, [1.0]])
-def test_link_parameters_must_be_numbers_or_expressions(value):
-    with pytest.raises(TypeError, match="theta must be a number"):
-        Link(theta=value)
+TWO = [Link(), Link()]
+REFUSED = [
+    (Link, {"joint": "r"}, r"joint must be one of Joint\.REVOLUTE.*got 'r'"),
+    *((Link, {"alpha": x}, "alpha must be finite") for x in (math.nan, math.inf, -math.inf)),
+    *((Link, {"theta": x}, "theta must be a number") for x in (None, True, 1j, [1.0])),
+    *((Link, {"d": x}, "d must be") for x in (10**400, -(10**400), sp.oo, sp.nan, sp.I)),
+    (Link, {"d": sp.Integer(10) ** 400}, "d must be"),
+    (Robot, {"links": TWO, "coupling": np.eye(3)}, r"shape \(2, 2\).*got \(3, 3\)"),
+    (Robot, {"links": TWO, "coupling": [[1, 1], [1, 1]]}, "coupling must be invertible"),
+    (Robot, {"links": TWO, "offset": [math.nan, 0]}, "offset must be finite"),
+    (Robot, {"links": []}, "links must be one or more"),
+    (Robot, {"links": TWO, "convention": "modified"}, "convention must be"),
+]
 
 
-def test_coupling_of_the_wrong_shape_says_what_is_expected():
-    with pytest.raises(ValueError, match=r"coupling must have shape \(2, 2\).*got \(3, 3\)"):
-        Robot([Link(), Link()], coupling=np.eye(3))
-
-
-def test_singular_coupling_is_refused():
-    with pytest.raises(ValueError, match="coupling must be invertible"):
-        Robot([Link(), Link()], coupling=[[1, 1], [1, 1]])
-
-
-def test_nan_in_the_offset_is_refused():
-    with pytest.raises(ValueError, match="offset must be finite"):
-        Robot([Link()], offset=[math.nan])
-
-
-def test_a_robot_has_links_and_a_convention():
-    with pytest.raises(TypeError, match="links must be one or more"):
-        Robot([])
-    with pytest.raises(TypeError, match="convention must be"):
-        Robot([Link()], convention="modified")  # type: ignore[arg-type]
+@pytest.mark.parametrize(("make", "given", "said"), REFUSED)
+def test_what_is_no_link_or_robot_is_refused_by_name(make, given, said):
+    with pytest.raises((ValueError, TypeError), match=said):
+        make(**given)
 
 
 def test_fixed_links_have_no_joint_variable():
@@ -93,12 +74,6 @@ def test_the_coupling_of_a_robot_cannot_be_changed():
 def test_joint_variables_and_motor_angles_have_one_entry_for_each_joint(function, given):
     with pytest.raises(ValueError, match=r"must have shape \(\.\.\., 6\)"):
         function(given)
-
-
-@pytest.mark.parametrize("value", [10**400, -(10**400), sp.oo, sp.nan, sp.I, sp.Integer(10) ** 400])
-def test_numbers_that_no_float_holds_are_refused(value):
-    with pytest.raises(ValueError, match="d must be"):
-        Link(d=value)
 
 
 LIMITS = Limits(
@@ -144,6 +119,27 @@ def test_ranges_and_speeds_of_both_robots_are_published_ones():
     assert np.rad2deg(large.upper) == pytest.approx([180, 80, 60, 300, 120, 300])
     assert np.rad2deg(large.speed) == pytest.approx([100, 90, 90, 150, 120, 190])
     assert large.coupled == ()
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: Limits(lower=(1.0,), upper=(0.0,), speed=(1.0,)), "lower must be below upper"),
+        (lambda: Limits(lower=(math.nan,), upper=(1.0,), speed=(1.0,)), "lower must be below"),
+        (lambda: Limits(lower=(0, 0), upper=(1,), speed=(1,)), "one entry for each motor"),
+        (
+            lambda: Limits(lower=(0, 0), upper=(1, 1), speed=(1, 1), coupled=LIMITS.coupled),
+            "a coupled range needs 2 coefficients",
+        ),
+        (
+            lambda: CoupledRange(coefficients=(1.0, 1.0), lower=0.0, upper=-1.0),
+            "a coupled range needs lower below upper, got 0 and -1",
+        ),
+    ],
+)
+def test_ranges_that_hold_nothing_or_do_not_fit_are_refused(make, said):
+    with pytest.raises(ValueError, match=said):
+        make()
 
 
 def test_gravity_is_that_of_the_thesis_unless_said_otherwise():

@@ -11,7 +11,7 @@ from armside.kinematics import (
     compile_frame_jacobian,
     compile_frame_pose,
 )
-from armside.kinematics.equations.forward_kinematics import frame_jacobian, frame_pose
+from armside.kinematics.equations.forward_kinematics import jacobian, pose
 from armside.kinematics.rigid import link_frames
 
 ROUNDING, DIFFERENCES = 1e-12, 1e-8
@@ -29,14 +29,14 @@ def test_every_frame_of_random_robots_in_every_axes(convention, random_robot, in
     phi = np.random.default_rng(6).uniform(-1, 1, 3)
     frames = [np.eye(4), *link_frames(robot, phi)]
     for k, T in enumerate(frames):
-        found = interpreted(frame_pose(robot, k))(phi)
+        found = interpreted(pose(robot, k))(phi)
         np.testing.assert_allclose(found, T, rtol=0, atol=ROUNDING)
         change = central(lambda x, k=k: [np.eye(4), *link_frames(robot, x)][k], phi)
         v = change[:3, 3]
         omega = np.stack([spin(T[:3, :3], change[:3, :3, i]) for i in range(3)], axis=1)
         for axes, other in enumerate(frames):
             R = other[:3, :3].T
-            J = interpreted(frame_jacobian(robot, k, axes))(phi)
+            J = interpreted(jacobian(robot, k, axes))(phi)
             expected = np.concatenate([R @ v, R @ omega])
             np.testing.assert_allclose(J, expected, rtol=0, atol=DIFFERENCES)
 

@@ -6,8 +6,6 @@ import pytest
 from armside.kinematics import (
     IRB1400,
     IRB1400_IMU,
-    CoupledRange,
-    Limits,
     compile,
 )
 
@@ -51,20 +49,3 @@ def test_zero_pose_jacobian_has_rank_five_and_the_coupled_second_column():
     J = compile(IRB1400).jacobian(ZERO)
     assert np.linalg.matrix_rank(J, tol=1e-9) == 5
     np.testing.assert_allclose(J[:, 1], [0.6, 0, 0, 0, 0, 0], rtol=0, atol=1e-12)
-
-
-def test_limits_check_themselves():
-    with pytest.raises(ValueError, match="lower must be below upper"):
-        Limits(lower=(1.0,), upper=(0.0,), speed=(1.0,))
-    with pytest.raises(ValueError, match="one entry for each motor"):
-        Limits(lower=(0.0, 0.0), upper=(1.0,), speed=(1.0,))
-
-
-def test_ranges_that_hold_nothing_or_do_not_fit_are_refused():
-    with pytest.raises(ValueError, match="lower must be below upper"):
-        Limits(lower=(float("nan"),), upper=(1.0,), speed=(1.0,))
-    bound = CoupledRange(coefficients=(1.0,), lower=0.0, upper=1.0)
-    with pytest.raises(ValueError, match="a coupled range needs 2 coefficients"):
-        Limits(lower=(0, 0), upper=(1, 1), speed=(1, 1), coupled=(bound,))
-    with pytest.raises(ValueError, match="a coupled range needs lower below upper, got 0 and -1"):
-        CoupledRange(coefficients=(1.0, 1.0), lower=0.0, upper=-1.0)

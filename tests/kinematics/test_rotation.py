@@ -112,26 +112,6 @@ def test_symbolic_formulas_agree_with_numbers(name):
     np.testing.assert_allclose([float(p) for p in parts], flat, rtol=0, atol=1e-12)
 
 
-def test_symbolic_rotations_are_orthogonal():
-    phi, theta, psi = sp.symbols("phi theta psi", real=True)
-    for R in (
-        by_symbols.from_euler_zyz(phi, theta, psi),
-        by_symbols.from_roll_pitch_yaw(phi, theta, psi),
-        by_symbols.from_axis_angle((sp.Rational(3, 5), 0, sp.Rational(4, 5)), phi),
-    ):
-        assert sp.simplify(R.T * R) == sp.eye(3)
-        assert sp.simplify(R.det()) == 1
-
-
-def test_symbolic_inverse_of_the_angles_themselves():
-    """In the regular range the formulas return what went in."""
-    values = (sp.Rational(3, 10), sp.Rational(7, 10), -sp.Rational(2, 5))
-    for name in ("Euler ZYZ", "roll-pitch-yaw"):
-        to, back = SYMBOLIC[name]
-        angles = [float(sp.N(angle)) for angle in to(back(values))]
-        np.testing.assert_allclose(angles, [0.3, 0.7, -0.4], rtol=0, atol=1e-14)
-
-
 def test_matrices_are_products_of_elementary_rotations():
     """(3.10) and (3.11), written out."""
 

@@ -24,33 +24,28 @@ CONFUSING = Robot(
 )
 
 
-def run_c(
-    program: StraightLineProgram, arguments: list[np.ndarray], folder: Path, cc: str
+STRICT = {
+    Language.C: ["-std=c99", "-pedantic", "-Wextra"],
+    Language.FORTRAN: ["-std=f2008", "-Wno-unused-dummy-argument"],
+}
+
+
+def run(
+    language: Language,
+    program: StraightLineProgram,
+    arguments: list[np.ndarray],
+    folder: Path,
+    compiler: str,
 ) -> np.ndarray:
-    symbol = f"c{len(list(folder.iterdir()))}"  # a library is loaded once for each name
-    for name, text in write(program, Language.C, symbol).items():
+    symbol = f"f{len(list(folder.iterdir()))}"  # a library is loaded once for each name
+    files = write(program, language, symbol)
+    for name, text in files.items():
         (folder / name).write_text(text)
-    library = folder / f"{symbol}.so"
-    strict = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wno-unused-variable", "-Werror", "-O1"]
-    source = folder / f"{symbol}.c"
-    subprocess.run([cc, *strict, "-shared", "-fPIC", "-o", library, source, "-lm"], check=True)
-    out = np.empty(program.outputs[0].shape)
-    pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in [*arguments, out]]
-    getattr(ctypes.CDLL(str(library)), symbol)(*pointers)
-    return out
-
-
-def run_fortran(
-    program: StraightLineProgram, arguments: list[np.ndarray], folder: Path, fc: str
-) -> np.ndarray:
-    symbol = f"f{len(list(folder.iterdir()))}"
-    ((name, text),) = write(program, Language.FORTRAN, symbol).items()
-    (folder / name).write_text(text)
-    library = folder / f"{symbol}.so"
-    strict = ["-std=f2008", "-Wall", "-Wno-unused-variable", "-Wno-unused-dummy-argument"]
-    command = [fc, *strict, "-Werror", "-O1", "-shared", "-fPIC", "-o", library, folder / name]
+    library, source = folder / f"{symbol}.so", folder / list(files)[-1]
+    strict = ["-Wall", "-Wno-unused-variable", "-Werror", *STRICT[language]]
+    command = [compiler, *strict, "-O1", "-shared", "-fPIC", "-o", library, source, "-lm"]
     subprocess.run(command, check=True, cwd=folder)
-    out = np.empty(program.outputs[0].shape, order="F")
+    out = np.empty(program.outputs[0].shape, order="C" if language is Language.C else "F")
     pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in [*arguments, out]]
     getattr(ctypes.CDLL(str(library)), symbol)(*pointers)
     return out
@@ -75,39 +70,22 @@ def run_octave(
     ]
 
 
-def handful(random_model, random_robot) -> list[StraightLineProgram]:
-    """Kinematics of the two robots, and a few random ones, dynamics among them."""
-    rng = np.random.default_rng(1)
-    programs = [
-        build(IRB1400)
-        for build in (
-            forward_kinematics.pose,
-            forward_kinematics.jacobian,
-            forward_kinematics.jacobian_rate,
-        )
-    ]
-    programs += [
-        forward_kinematics.acceleration(IRB1400_IMU),
-        forward_kinematics.jacobian(LARGE_ROBOT),
-    ]
-    programs.append(imu_equations.measurement(IRB1400_IMU))
-    for n, convention in ((2, Convention.STANDARD), (7, Convention.MODIFIED)):
-        programs.append(forward_kinematics.acceleration(random_robot(rng, n, convention)))
-    model = random_model(rng, random_robot(rng, 3, Convention.STANDARD))
-    programs += [dynamics.inverse_dynamics(model), dynamics.mass_matrix(model)]
-    symbols = [Link("q[1](t)", "d[1]", "a[1]", "alpha[1]"), Link("q[2](t)", 0, "a[2]", 0)]
-    programs.append(program_of("velocity", symbolic.velocity(symbols)))
-    programs.append(
-        forward_kinematics.jacobian(Robot([Link(0, "d[1]", "a", "phi"), Link(a="lambda")]))
-    )
-    programs.append(forward_kinematics.acceleration(CONFUSING))
-    return programs
-
-
 @pytest.fixture(scope="module")
 def programs(random_model, random_robot):
-    """Programs with random arguments."""
-    built = handful(random_model, random_robot)
+    """Kinematics of the two robots, and a few random ones, dynamics among them, with arguments."""
+    rng, fk = np.random.default_rng(1), forward_kinematics
+    robots = [random_robot(rng, 2, Convention.STANDARD), random_robot(rng, 7, Convention.MODIFIED)]
+    model = random_model(rng, random_robot(rng, 3, Convention.STANDARD))
+    symbols = [Link("q[1](t)", "d[1]", "a[1]", "alpha[1]"), Link("q[2](t)", 0, "a[2]", 0)]
+    built = [
+        *(build(IRB1400) for build in (fk.pose, fk.jacobian, fk.jacobian_rate)),
+        *(fk.acceleration(robot) for robot in (IRB1400_IMU, *robots, CONFUSING)),
+        *(dynamics.inverse_dynamics(model), dynamics.mass_matrix(model)),
+        fk.jacobian(LARGE_ROBOT),
+        imu_equations.measurement(IRB1400_IMU),
+        program_of("velocity", symbolic.velocity(symbols)),
+        fk.jacobian(Robot([Link(0, "d[1]", "a", "phi"), Link(a="lambda")])),
+    ]
     return [(p, [RNG.uniform(-1, 1, b.shape) for b in p.inputs]) for p in built]
 
 
@@ -119,15 +97,15 @@ def assert_close(actual, expected):
 def test_c99_computes_what_python_computes(programs, interpreted, tmp_path, require_program):
     cc = require_program("cc")
     for program, arguments in programs:
-        assert_close(run_c(program, arguments, tmp_path, cc), interpreted(program)(*arguments))
+        found = run(Language.C, program, arguments, tmp_path, cc)
+        assert_close(found, interpreted(program)(*arguments))
 
 
 def test_fortran_computes_what_python_computes(programs, interpreted, tmp_path, require_program):
     fc = require_program("gfortran")
     for program, arguments in programs:
-        assert_close(
-            run_fortran(program, arguments, tmp_path, fc), interpreted(program)(*arguments)
-        )
+        found = run(Language.FORTRAN, program, arguments, tmp_path, fc)
+        assert_close(found, interpreted(program)(*arguments))
 
 
 def test_matlab_computes_what_python_computes(programs, interpreted, tmp_path, require_program):

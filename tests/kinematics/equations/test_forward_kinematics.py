@@ -5,7 +5,7 @@ import time
 import numpy as np
 import sympy as sp
 
-from armside.kinematics import IRB1400, Link, Robot
+from armside.kinematics import Link, Robot
 from armside.kinematics.equations import forward_kinematics
 from armside.kinematics.expressions.symbols import moving, symbol, t
 from armside.kinematics.symbolic import procedures as symbolic
@@ -32,14 +32,6 @@ def test_full_symbolic_jacobian_and_its_derivative_in_time():
     constant = symbolic.jacobian(parametric(lambda i: symbol("theta", i)))
     assert sp.count_ops(constant) == 50718
     assert J_dot.has(moving("theta", 6).diff(t))
-
-
-def test_operations_after_sharing_are_within_the_limits():
-    robot = parametric(lambda i: 0)
-    assert forward_kinematics.jacobian(robot).operations <= 340
-    assert forward_kinematics.jacobian_rate(robot).operations <= 1619
-    assert forward_kinematics.jacobian(IRB1400).operations <= 178
-    assert forward_kinematics.jacobian_rate(IRB1400).operations <= 670
 
 
 def test_shared_program_is_the_full_expression(interpreted):

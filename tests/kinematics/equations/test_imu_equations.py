@@ -1,13 +1,10 @@
 """Measurement equations of encoders and an IMU, with a derived Jacobian."""
 
-import mujoco
 import numpy as np
 import pytest
-import sympy as sp
 
 from armside.kinematics import IRB1400, IRB1400_IMU, Joint, Link, Robot, compile
 from armside.kinematics.equations.imu_equations import measurement, measurement_jacobian
-from armside.kinematics.rigid import link_transform
 
 G = 9.82
 GRAVITY = np.array([0, 0, -G])
@@ -49,43 +46,6 @@ def test_a_frame_that_does_not_exist_is_refused():
         measurement(IRB1400_IMU, frame=9)
 
 
-def test_mujoco_sensors_read_the_same(interpreted):
-    """Joint by joint the IRB1400 in MuJoCo with an IMU site, driven to the same motion."""
-    spec = mujoco.MjSpec()
-    spec.option.gravity = [0, 0, -G]
-    body, place = spec.worldbody, np.eye(4)
-    for number, link in enumerate(IRB1400_IMU.links):
-        if link.moves:
-            quat = np.empty(4)
-            mujoco.mju_mat2Quat(quat, place[:3, :3].ravel())
-            body = body.add_body(pos=place[:3, 3], quat=quat)
-            body.add_joint(name=f"j{number}", axis=[0, 0, 1])
-            body.mass, body.inertia, body.explicitinertial = 1, [1, 1, 1], True
-            place = np.eye(4)
-        place = place @ link_transform(link)
-    quat = np.empty(4)
-    mujoco.mju_mat2Quat(quat, place[:3, :3].ravel())
-    body.add_site(name="imu", pos=place[:3, 3], quat=quat)
-    for kind in (mujoco.mjtSensor.mjSENS_GYRO, mujoco.mjtSensor.mjSENS_ACCELEROMETER):
-        spec.add_sensor(type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname="imu")
-    twin = spec.compile()
-    data = mujoco.MjData(twin)
-    M = IRB1400.coupling
-    data.qpos, data.qvel = IRB1400.joint_variables(PHI), M @ PHI_DOT
-    data.qacc = M @ PHI_DDOT
-    mujoco.mj_inverse(twin, data)
-    y = interpreted(measurement(IRB1400_IMU))(PHI, PHI_DOT, PHI_DDOT)
-    np.testing.assert_allclose(y[6:], data.sensordata, rtol=0, atol=1e-11)
-
-    jacp, jacr = np.empty((3, 6)), np.empty((3, 6))
-    mujoco.mj_forward(twin, data)
-    mujoco.mj_jacSite(twin, data, jacp, jacr, 0)
-    J = compile(IRB1400_IMU).jacobian(PHI)
-    np.testing.assert_allclose(J, np.vstack([jacp, jacr]) @ M, rtol=0, atol=1e-12)
-    T = compile(IRB1400_IMU).pose(PHI)
-    np.testing.assert_allclose(T[:3, 3], data.site("imu").xpos, rtol=0, atol=1e-12)
-
-
 def test_measurement_jacobian_is_the_finite_difference(interpreted, central):
     read = interpreted(measurement(IRB1400_IMU))
     H = interpreted(measurement_jacobian(IRB1400_IMU))(PHI, PHI_DOT, PHI_DDOT)
@@ -93,15 +53,6 @@ def test_measurement_jacobian_is_the_finite_difference(interpreted, central):
     expected = central(lambda x: read(x[:6], x[6:12], x[12:]), x)
     assert H.shape == (12, 18)
     np.testing.assert_allclose(H, expected, rtol=0, atol=1e-8)
-
-
-def test_measurement_jacobian_of_a_small_arm_is_the_symbolic_one():
-    robot = Robot([Link(a="l1", alpha="pi/2"), Link(a="l2")])
-    y = sp.Matrix(measurement(robot).expressions())
-    H = measurement_jacobian(robot)
-    variables = [e for block in H.inputs[:3] for e in block.elements]
-    expected = y.jacobian(variables)
-    assert sp.simplify(sp.Matrix(8, 6, H.expressions()) - expected) == sp.zeros(8, 6)
 
 
 def test_prismatic_joints_carry_sensors_too(interpreted):

@@ -16,7 +16,6 @@ from armside.kinematics import (
 )
 from armside.kinematics.equations import forward_kinematics, state_equations
 from armside.kinematics.equations.derivative import jacobian_of
-from armside.kinematics.equations.dynamics import forward_dynamics
 from armside.kinematics.equations.program import Argument, StraightLineProgram
 
 PHI, PHI_DOT = np.random.default_rng(0).uniform(-1, 1, (2, 6))
@@ -86,29 +85,6 @@ def test_flexible_joint_of_one_link_is_the_two_mass_model():
     assert sp.simplify(difference) == sp.zeros(4, 1)
     A = sp.Matrix(program.expressions()).jacobian([qa, qm, qad, qmd])
     assert sp.simplify(A.det()) == 0  # the rigid-body pole at zero, lost with (2.18) as printed
-
-
-def test_stiff_springs_move_the_arm_as_rigid_joints_do(model, interpreted, central):
-    """Both halves given one motion and the torques that rigid dynamics asks for."""
-    stiff = [
-        Motor(inertia=m.inertia, viscous=m.viscous, coulomb=m.coulomb, stiffness=1e6)
-        for m in model.motors
-    ]
-    model = InertialModel(model.robot, model.bodies, stiff, model.gravity)
-    phi, rate, tau = RNG.uniform(-1, 1, (3, 2))
-    rigid = interpreted(forward_dynamics(model))(phi, rate, tau)
-    # The deflection at which arm and motor accelerate alike carries the arm's share of torque.
-    flexible = interpreted(state_equations.flexible_rate(model))
-
-    def gap(deflection):
-        x = np.concatenate([phi, phi + deflection, rate, rate])
-        a = flexible(x, tau)[4:]
-        return a[2:] - a[:2]
-
-    slope = central(gap, np.zeros(2), h=1e-7)
-    deflection = np.linalg.solve(slope, -gap(np.zeros(2)))
-    x = np.concatenate([phi, phi + deflection, rate, rate])
-    np.testing.assert_allclose(flexible(x, tau)[4:6], rigid, rtol=1e-6)
 
 
 def test_flexible_joints_need_springs(random_robot):

@@ -226,11 +226,12 @@ def test_kernel_has_the_pose_and_jacobian_of_the_generated_code(n, random_robot,
     rng = np.random.default_rng(n)
     for convention in Convention:
         robot, phi = random_robot(rng, n, convention), rng.uniform(-1, 1, n)
-        links, joints, prismatic, M, offset, coupled = numeric._chain(robot)
+        links, joints, prismatic, M, offset, coupled = numeric._chain(robot)[0]
         axes, T = np.empty((n, 6)), np.eye(4)
         columns, J = np.empty((6, n)), np.empty((6, n))
         numeric_kernel._forward(links, joints, M, offset, phi, axes, T)
-        numeric_kernel._jacobian(prismatic, M, coupled, axes, T, columns, J)
+        free = np.full(n, -1.0), np.ones(n)
+        numeric_kernel._jacobian(prismatic, M, coupled, axes, T, columns, *free, J)
         expected = interpreted(forward_kinematics.pose(robot))(phi)
         np.testing.assert_allclose(T, expected, rtol=0, atol=1e-13)
         expected = interpreted(forward_kinematics.jacobian(robot))(phi)
@@ -292,7 +293,7 @@ def test_restarts_are_counted(restarts):
 
 
 def test_robots_of_symbols_and_limits_of_other_robots_are_refused():
-    with pytest.raises(ValueError, match="needs a robot of numbers; robot has a"):
+    with pytest.raises(ValueError, match="needs a robot of numbers; robot has symbols: a"):
         inverse_numeric(Robot([Link(a="a")]), np.eye(4), [0.0])
     with pytest.raises(ValueError, match="limits must have 7 motors, got 6"):
         inverse_numeric(PANDA, np.eye(4), np.zeros(7), limits=IRB1400_LIMITS)

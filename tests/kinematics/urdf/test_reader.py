@@ -163,18 +163,6 @@ def test_a_chain_is_chosen_by_its_base_and_tip(tmp_path):
     np.testing.assert_allclose(pose(inner.robot, np.array([1.0, 0.0])), from_base, atol=ROUNDING)
 
 
-def test_pinocchio_reads_the_same_pose(tmp_path):
-    pin = pytest.importorskip("pinocchio", reason="pinocchio (pip install pin) is an optional peer")
-    text, tip = chain_text(np.random.default_rng(4), 7)
-    text = text.replace("continuous", "revolute")
-    arm = read(tmp_path, text)
-    model = pin.buildModelFromXML(text)
-    data, q = model.createData(), np.random.default_rng(5).uniform(-1, 1, len(arm.joints))
-    pin.framesForwardKinematics(model, data, q)
-    theirs = data.oMf[model.getFrameId(tip)].homogeneous
-    np.testing.assert_allclose(pose(arm.robot, q), theirs, rtol=0, atol=1e-10)
-
-
 def text(rng: np.random.Generator, n: int) -> str:
     """A chain with a body of random place and rotation on each link, and a fixed box beside it."""
     lines = ['<robot name="heavy"><link name="l0"/>']
