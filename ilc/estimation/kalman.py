@@ -22,7 +22,7 @@ from .process import Process, steady_state_covariance
 _AMPLIFIED = 5e5  # of rounding of P in one update, from which smoothed variances may be lost
 _TOO_FAR_APART = (
     "variances of states and readings are too far apart for Smoother: its variances may be wrong, "
-    "even negative, and then its means; use square_root.smooth_square_root"
+    "even negative, and then its means"
 )
 
 
@@ -98,8 +98,7 @@ class Smoother:
     """Kalman smoother for records of N samples with the same measurements missing.
 
     The covariances are differences: where variances of states and readings are some 1e12 apart,
-    rounding may leave nothing of them. A RuntimeWarning says so, unless a reading has no noise;
-    `square_root.smooth_square_root` is right there.
+    rounding may leave nothing of them. A RuntimeWarning says so, unless a reading has no noise.
     """
 
     process: Process
