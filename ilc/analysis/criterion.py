@@ -147,7 +147,6 @@ def heuristic_criterion(
     delta: int | tuple[int, ...],
     Q: RecordFilter,
     omega: Array | None = None,
-    of: Contracting = Contracting.CORRECTION,
 ) -> Criterion:
     """Criterion for L = gamma q^delta.
 
@@ -166,7 +165,8 @@ def heuristic_criterion(
     require_one_sample_time(T_u, Q)
 
     def at(omega: Array) -> Criterion:
-        return criterion(T_u.response(omega), L.response(omega), Q.response(omega), omega, of)
+        T, gain, q = T_u.response(omega), L.response(omega), Q.response(omega)
+        return criterion(T, gain, q, omega, Contracting.CORRECTION)
 
     def power(omega: Array) -> Array:
         return np.square(at(omega).learning * at(omega).q)

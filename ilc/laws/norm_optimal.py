@@ -7,8 +7,9 @@ Pipeleers and Swevers, "A data-driven constrained norm-optimal iterative learnin
 framework for LTI systems", 2013). `RecordOptimal` needs a frequency response alone.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +22,7 @@ from ..models.system_matrix import AnyModel, check_model
 from ..records import as_number, as_real, as_whole, records
 from .first_order import FirstOrderLaw
 from .model_based import Response
-from .quadratic import QuadraticCriterion, QuadraticProblem, Weight, conjugate_step, per_sample
+from .quadratic import QuadraticCriterion, QuadraticProblem, Weight, conjugate_gradients, per_sample
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -257,19 +258,14 @@ class RecordOptimal(FirstOrderLaw):
             return through(T_H, seen) + (rho + sigma) * step
 
         right = through(T_H, self.F(self.F(error * weight))) - rho * correction / size
-        return correction + size * _conjugate_gradients(normal, right, self.tolerance)
-
-
-def _conjugate_gradients(A: Callable[[Array], Array], b: Array, tolerance: float | None) -> Array:
-    """x of A x = b. Raises RuntimeError where a given tolerance is not reached."""
-    x, r, p, power = np.zeros_like(b), b, b, float(np.vdot(b, b))
-    enough = (_SOLVED if tolerance is None else tolerance) ** 2 * power
-    for _ in range(_STEPS if tolerance is None else 10 * b.size):
-        if power <= enough:
-            return x
-        x, r, _, power, last = conjugate_step(A, lambda r: r, x, r, p, power)
-        p = r + power / last * p
-    if tolerance is not None and power > enough:
-        reached = np.sqrt(power / np.vdot(b, b))
-        raise RuntimeError(f"the step is known to {reached:.2g} only, not to {tolerance:.2g}")
-    return x
+        tolerance = _SOLVED if self.tolerance is None else self.tolerance
+        steps = _STEPS if self.tolerance is None else 10 * right.size
+        found = np.zeros_like(right), right, (whole := float(np.vdot(right, right)))
+        for found in islice(conjugate_gradients(normal, lambda r: r, right), steps):
+            if found[2] <= tolerance**2 * whole:
+                break
+        x, _, power = found
+        if self.tolerance is not None and power > tolerance**2 * whole:
+            reached = np.sqrt(power / whole)
+            raise RuntimeError(f"the step is known to {reached:.2g} only, not to {tolerance:.2g}")
+        return correction + size * x

@@ -12,7 +12,7 @@ from scipy import signal
 from armside.ilc import AllPass, Heuristic, learn
 from armside.ilc.models.conversion import as_state_space, as_system
 from armside.ilc.models.file import read_model, read_system
-from armside.ilc.models.linear_plant import Alternating, LinearPlant
+from armside.ilc.models.linear_plant import LinearPlant
 from armside.ilc.models.state_space import StateSpace
 from armside.ilc.models.system import System, tustin, zero_order_hold, zoh
 from armside.ilc.models.system_matrix import SystemMatrix
@@ -112,12 +112,10 @@ def test_the_final_error_with_a_filter_is_driven_by_reference_error_and_load():
     assert np.abs(last.error[:-5]).max() < 1e-6
 
 
-def test_loads_and_plants_alternate_over_the_iterations():
+def test_loads_alternate_over_the_iterations():
     zero, one = np.zeros((5, 1)), np.ones((5, 1))
     plant = LinearPlant(T_u=SYSTEM, reference=zero, loads=(zero, one))
     assert [plant.run(zero)[0, 0] for _ in range(4)] == [0, 1, 0, 1]
-    swap = Alternating([LinearPlant(T_u=SYSTEM, reference=zero, loads=(w,)) for w in (zero, one)])
-    assert [swap.run(zero)[0, 0] for _ in range(4)] == [0, 1, 0, 1]
 
 
 def test_a_plant_of_misfitting_parts_is_refused():
