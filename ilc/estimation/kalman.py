@@ -75,23 +75,6 @@ class SteadyStateFilter:
         inverse: Array = np.asarray(np.linalg.inv(L), dtype=np.float64)
         return inverse, 2.0 * np.log(np.diag(L))
 
-    @records("y", gate=as_measured)
-    def whitened(self, y: Array, start: Array | None = None) -> tuple[Array, Array]:
-        """Innovations L^-1 e (N, p) of the channels that are there, and their terms 2 log L_ii.
-
-        L L^T is the covariance of the channels that are there: the prediction error of a record
-        with single channels missing (NaN in the first, 0 in the second).
-        """
-        e = self(y, start).innovation
-        white, terms = np.full_like(e, np.nan), np.zeros_like(e)
-        patterns, which = np.unique(np.isfinite(e), axis=0, return_inverse=True)
-        for k, pattern in enumerate(patterns):
-            there, rows = np.flatnonzero(pattern), np.flatnonzero(which.ravel() == k)
-            L = np.linalg.cholesky(self.innovation_covariance[np.ix_(there, there)])
-            white[np.ix_(rows, there)] = np.linalg.solve(L, e[np.ix_(rows, there)].T).T
-            terms[np.ix_(rows, there)] = 2.0 * np.log(np.diag(L))
-        return white, terms
-
 
 @dataclass(frozen=True, eq=False)
 class Smoother:

@@ -20,6 +20,7 @@ from armside.arrays import Array
 
 from ..estimation.consistency import Whiteness, residual_test
 from ..filters import recursion
+from ..models.state_space import StateSpace
 from ..models.system import System
 from ..records import as_record, records
 from .polynomial import delayed
@@ -111,9 +112,9 @@ def fit_first_order(
     return FirstOrderModel(system, delay, pole, fit, covariance, residual_test(left))
 
 
-@records("u", "y")
-def fit_of(system: System, u: Array, y: Array) -> float:
-    """Fit of a model's simulation to (u, y), shape (N, m), all experiments together."""
+@records("u", "y", alike=False)
+def fit_of(system: System | StateSpace, u: Array, y: Array) -> float:
+    """Fit of a model's simulation from rest to (u, y), (N, m) and (N, p), all columns together."""
     return float(_fit(system, u, y, None))
 
 
@@ -123,7 +124,7 @@ def fit_of_each(system: System, u: Array, y: Array) -> Array:
     return np.asarray(_fit(system, u, y, 0), dtype=np.float64)
 
 
-def _fit(system: System, u: Array, y: Array, axis: int | None) -> Array:
+def _fit(system: System | StateSpace, u: Array, y: Array, axis: int | None) -> Array:
     error = np.linalg.norm(y - system.simulate(u), axis=axis)
     return 1.0 - error / np.linalg.norm(y - y.mean(axis=0), axis=axis)
 

@@ -21,8 +21,7 @@ from ..estimation.consistency import Whiteness, independence, residual_test
 from ..filters import recursion
 from ..models.system import System
 from ..records import records
-from .arx import Information
-from .polynomial import Orders, Polynomials, delayed
+from .polynomial import Information, Orders, Polynomials, delayed
 
 _LONG = 20  # orders of the ARX model that gives innovations, at most
 _REPEATED = 15

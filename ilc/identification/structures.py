@@ -5,7 +5,7 @@ information criterion. Ljung, "System Identification", 2nd ed., 16.5 and 16.8.
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
@@ -15,8 +15,9 @@ from armside.arrays import Array
 from ..models.state_space import StateSpace
 from ..models.system import System
 from ..records import records
-from .arx import Information, select_arx
-from .polynomial import Orders
+from .arx import select_arx
+from .first_order_lag import fit_of
+from .polynomial import Information, Orders
 from .polynomial_fit import PolynomialFit, fit_polynomial
 from .subspace import SubspaceFit, rank_subspace_orders
 
@@ -76,20 +77,12 @@ class Candidate:
     structure: Structure
     fit: PolynomialFit | SubspaceFit
     accuracy: float
-    """`simulation_accuracy` on the record of the fit."""
-
-    @classmethod
-    def of(
-        cls, structure: Structure, fit: PolynomialFit | SubspaceFit, u: Array, y: Array
-    ) -> "Candidate":
-        """Candidate with its accuracy on u, y."""
-        one = cls(structure, fit, np.nan)
-        return replace(one, accuracy=simulation_accuracy(one.system, u, y))
+    """Fit of the simulation on the record of the fit."""
 
     @property
     def system(self) -> System | StateSpace:
         """From u to y."""
-        return self.fit.system if isinstance(self.fit, PolynomialFit) else self.fit.model.system
+        return self.fit.model.system
 
     @property
     def orders(self) -> str:
@@ -112,13 +105,6 @@ class Candidate:
                 "drifts, does not start at rest, or the system is not linear"
             )
         return tuple(found)
-
-
-@records("u", "y", alike=False)
-def simulation_accuracy(system: System | StateSpace, u: Array, y: Array) -> float:
-    """1 - ||y - y_sim|| / ||y - mean(y)||, simulated from rest."""
-    left = y - system.simulate(u)
-    return float(1.0 - np.linalg.norm(left) / np.linalg.norm(y - y.mean(axis=0)))
 
 
 @records("u", "y", alike=False)
@@ -157,7 +143,7 @@ def compare_structures(
         else:
             sizes = [_ORDERS[each](n, delay) for n in range(1, largest_order + 1)]
             best = _best(u, y, sample_time, sizes, criterion)
-        found.append(Candidate.of(each, best, u, y))
+        found.append(Candidate(each, best, fit_of(best.model.system, u, y)))
     sound = [one for one in found if not one.warnings]
     others = [one for one in found if one.warnings]
     sound.sort(key=lambda one: one.fit.score(criterion))
@@ -172,7 +158,7 @@ def _delay(u: Array, y: Array, sample_time: float, largest: int) -> int:
         try:
             return select_arx(
                 u, y, sample_time, na=[order], nb=[order], nk=range(largest + 1)
-            )[0].nk  # fmt: skip
+            )[0].model.orders.nk  # fmt: skip
         except ValueError as error:
             reason = error
     assert reason is not None
@@ -186,7 +172,7 @@ def _best(
     fits, reason = list[PolynomialFit](), None
     for orders in sizes:
         try:
-            fits += rank_orders(u, y, sample_time, [orders])
+            fits.append(fit_polynomial(u, y, sample_time, orders))
         except ValueError as error:
             reason = error
     if not fits:

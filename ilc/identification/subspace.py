@@ -17,8 +17,8 @@ from armside.arrays import Array
 
 from ..estimation.consistency import Whiteness, pairwise_independence, residual_test
 from ..records import records
-from .arx import Information
 from .innovations_form import InnovationsForm, refined, states
+from .polynomial import Information
 
 _FLOOR = 1e-9  # variance of the outputs' noise at least, relative to the one found
 

@@ -319,7 +319,7 @@ def test_an_arx_fit_is_the_least_squares_solution(na, nb, nk, n_samples, m, slow
     inverse = np.linalg.inv(R)
     covariance = left @ left / (len(X) - na - nb) * inverse @ inverse.T
     scale = np.abs(expected).max()
-    np.testing.assert_allclose(found.coefficients, expected, rtol=0, atol=AGREED * scale)
+    np.testing.assert_allclose(found.model.theta, expected, rtol=0, atol=AGREED * scale)
     scale = np.abs(covariance).max()
     np.testing.assert_allclose(found.covariance, covariance, rtol=0, atol=AGREED * scale)
 

@@ -33,7 +33,6 @@ NOT_RECORDS = {
 }  # fmt: skip
 """Parameters that are arrays and no records; some of them are checked where they are used."""
 CHECKED_INSIDE = {"as_real", "as_record", "as_samples", "as_measured", "as_whole"} | {
-    "ByHand.record",
     "fit_circle",
     "friction",
     "path_accuracy",
