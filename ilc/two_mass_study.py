@@ -112,10 +112,7 @@ def learned(law: Law, loop: TwoMassLoop, stiffness_factor: float) -> TwoMassLear
 
 
 def run(plant: TwoMassPlant | FrictionPlant, law: Law, iterations: int) -> TwoMassLearning:
-    """Learning with any law on the motor side of the joint, not stopped where it diverges.
-
-    Raises ValueError where its error grows beyond what can be drawn.
-    """
+    """Learning with any law on the motor side of the joint, not stopped where it diverges."""
     motor, arm, kept = [], [], {}
     for trial in learn(
         plant,

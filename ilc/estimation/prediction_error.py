@@ -70,9 +70,6 @@ def estimate_parameters(
         prior, prior_sd: (m,), mean and standard deviation of the prior.
         starts: each (m,).
         further: starts that are tried too where the minimum found lies `FAR` from the prior.
-
-    Raises:
-        RuntimeError: no start leads to a finite cost.
     """
     (theta, cost), costs = _from_starts(model, prior, prior_sd, starts)
     if further and np.square((theta - prior) / prior_sd).mean() > FAR:

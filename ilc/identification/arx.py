@@ -43,9 +43,6 @@ def fit_arx(
     """Least-squares fit; u, y: shape (N, m), m experiments from rest, all used together.
 
     skip: samples omitted at the start of each experiment; equal for all orders compared.
-
-    Raises:
-        ValueError: for orders that are negative or too large, or data that do not excite.
     """
     if na < 0 or nb < 1 or nk < 0:
         raise ValueError(f"orders must be na >= 0, nb >= 1, nk >= 0, got {na}, {nb}, {nk}")

@@ -83,9 +83,6 @@ def fit_first_order(
     """Least squares of the simulation error; u, y: shape (N, m), m experiments from rest.
 
     For each delay the pole is searched in [0, 0.98]; the gain follows in closed form.
-
-    Raises:
-        ValueError: shapes that differ, or an input or output that is zero throughout.
     """
     from scipy.optimize import minimize_scalar
 
@@ -161,9 +158,6 @@ def learning_data(
 
     N: the smallest `motion_end`. motors: columns, counted from 0; None: all. Differences of errors
     are formed and summed in the precision in which they are stored.
-
-    Raises:
-        ValueError: if there are no records, or no samples of motion.
     """
     records = list(records)
     if not records:

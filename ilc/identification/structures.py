@@ -30,10 +30,7 @@ def rank_orders(
     candidates: Iterable[Orders],
     criterion: Information = Information.BIC,
 ) -> list[PolynomialFit]:
-    """Fits of all candidates to (u, y), shape (N, m), best first. BIC is Rissanen's MDL.
-
-    Raises ValueError without candidates, and as `fit_polynomial`.
-    """
+    """Fits of all candidates to (u, y), shape (N, m), best first. BIC is Rissanen's MDL."""
     fits = [fit_polynomial(u, y, sample_time, orders) for orders in candidates]
     if not fits:
         raise ValueError("candidates must not be empty")
@@ -123,8 +120,6 @@ def compare_structures(
     Fits without warnings come first, by the criterion. With a warning the criterion says little of
     the response from u to y, so those follow by the accuracy of simulation. Several inputs or
     outputs are for the subspace structure alone.
-
-    Raises ValueError for records that are too short, or without a structure that fits them.
     """
     asked = list(structures)
     if (u.shape[1], y.shape[1]) != (1, 1):

@@ -147,9 +147,6 @@ def fit_subspace(
     Args:
         horizon: block rows of past and future, more than order / p.
         feedthrough: fit D; 0 otherwise.
-
-    Raises:
-        ValueError: for an order that the horizon does not hold, or records that are too short.
     """
     m, p = u.shape[1], y.shape[1]
     if not 1 <= order < horizon * p:

@@ -1,10 +1,8 @@
 """Norm-optimal learning: the minimum of a quadratic criterion over the finite record, Algorithm 3.
 
-`NormOptimal` solves it for any model, `Constrained` with bounds on the correction, `PointToPoint`
-for an output that has to be right at some samples and is free between them (Freeman, "Constrained
-point-to-point iterative learning control with experimental verification", 2012; Janssens,
-Pipeleers and Swevers, "A data-driven constrained norm-optimal iterative learning control
-framework for LTI systems", 2013). `RecordOptimal` needs a frequency response alone.
+Point to point: Freeman, "Constrained point-to-point iterative learning control with experimental
+verification" (2012). Limits: Janssens, Pipeleers and Swevers, "A data-driven constrained
+norm-optimal iterative learning control framework for LTI systems" (2013).
 """
 
 from collections.abc import Sequence
@@ -60,16 +58,12 @@ class NormOptimal(FirstOrderLaw):
 
     @records("correction", "error", alike=False)
     def __call__(self, correction: Array, error: Array, /) -> Array:
-        self._check_shapes(correction, error)
-        return correction + self._problem.solve(self._problem.descent(correction, error))
-
-    def _check_shapes(self, correction: Array, error: Array) -> None:
-        for signal, weight, name in (
-            (correction, self._problem.Wu, "correction"),
-            (error, self._problem.We, "error"),
-        ):
+        problem = self._problem
+        given = (correction, problem.Wu, "correction"), (error, problem.We, "error")
+        for signal, weight, name in given:
             if signal.shape != weight.shape:
                 raise ValueError(f"{name} must have shape {weight.shape}, got {signal.shape}")
+        return correction + problem.solve(problem.descent(correction, error))
 
     def responses(self, omega: ArrayLike) -> tuple[Complex, Complex]:
         """(Q, L) on infinite records for constant weights: (M,) each for one system, (M, m, m) and
@@ -158,9 +152,6 @@ class Constrained(NormOptimal):
         limit = per_sample(self.limit, self.n_samples, self.n_columns, "limit")
         if (np.abs(free) <= limit).all():
             return free
-        return self._within(limit, free, correction, error)
-
-    def _within(self, limit: Array, free: Array, correction: Array, error: Array) -> Array:
         problem = self._problem
         descent = problem.descent(correction, error)
 

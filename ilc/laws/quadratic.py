@@ -1,9 +1,8 @@
 """Quadratic criterion of norm-optimal learning on a finite record, and its solution.
 
 The step d = u_{k+1} - u_k solves H d = g with H = T' F' We F T + Wu + Wd and the negative gradient
-g = T' F' We F e_k - Wu u_k at u_k. For models with states a Riccati recursion factors H in O(N);
-conjugate gradients, with the model itself for H and the factor as preconditioner, check each
-solution and refine it. For a model that is known by its products alone they do all the work.
+g = T' F' We F e_k - Wu u_k at u_k. A Riccati recursion factors H in O(N) for models with states;
+conjugate gradients with the model itself check and refine each solution, and solve for the others.
 """
 
 from collections.abc import Callable, Iterator
@@ -121,9 +120,8 @@ class QuadraticProblem:
     taps: Array
     """Coefficients of F."""
     We: Array
-    """Weights of each sample and output, (N, p)."""
+    """(N, p), of each sample and output; Wu and Wd (N, m), of each input."""
     Wu: Array
-    """Weights of each sample and input, (N, m); likewise Wd."""
     Wd: Array
 
     @classmethod

@@ -50,12 +50,7 @@ def as_state_space(model: Any, sample_time: float | None = None) -> StateSpace:
 
 
 def as_system(model: Any) -> System:
-    """System from a `System`, a `StateSpace`, or a discrete model of scipy.signal or control.
-
-    Raises ValueError for something else, a model in continuous time, with several inputs or
-    outputs, not causal, or whose polynomials would not hold its response to 1e-7: coefficients lose
-    a digit or two for each slow pole.
-    """
+    """System from a `System`, a `StateSpace`, or a discrete model of scipy.signal or control."""
     if isinstance(model, System):
         return model
     if _sampling(model, "dt" if hasattr(model, "dt") else "sample_time") == 0.0:

@@ -181,10 +181,7 @@ class TimeVarying(_Matrices):
 def matrices(
     A: ArrayLike, B: ArrayLike, C: ArrayLike, D: ArrayLike | None, dimensions: int
 ) -> tuple[Array, Array, Array, Array]:
-    """Copies that are finite and fit each other; 3 dimensions: with an axis of time first.
-
-    Raises ValueError.
-    """
+    """Copies that are finite and fit each other; 3 dimensions: with an axis of time first."""
     found = [np.array(as_real(M, name)) for M, name in ((A, "A"), (B, "B"), (C, "C"))]
     if all(M.ndim == dimensions for M in found):
         lead = found[0].shape[: dimensions - 2]

@@ -148,9 +148,6 @@ def step_reference(
 
     The move lasts 2 * box samples, constant acceleration and then deceleration. The thesis states
     neither start nor length: these are Simulink's default step time and a length that fits Fig 8.4.
-
-    Raises:
-        ValueError: if the move does not end within the record.
     """
     first = round(start / sample_time)
     last = first + 2 * box

@@ -50,8 +50,6 @@ class Folder:
         """Read all logs that are there, k = 0 .. `iterations`, and write the next correction.
 
         The state's `k` is the run that is waited for; `iterations` + 1 when all are done.
-
-        Raises ValueError for a log that cannot be used, or corrections of another law.
         """
         done, memory = ByHand([np.zeros_like(reference)], []), None
         for k in range(iterations + 1):

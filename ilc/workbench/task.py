@@ -119,8 +119,6 @@ def along_path(correction: Array, place: Array, wanted: Array) -> Array:
     Linear in between; before and beyond the path that was learned it keeps its end values. This
     takes the correction for a function of the place alone, so delays of the servo are not scaled.
     place: [m], not decreasing.
-
-    Raises ValueError for places that are no such numbers.
     """
     place, wanted = as_real(place, "place"), as_real(wanted, "wanted")
     if place.shape != (len(correction),) or not (np.diff(place) >= 0.0).all():
