@@ -60,10 +60,7 @@ def as_samples(signal: ArrayLike, name: str) -> Array:
 
 
 def as_record(signal: ArrayLike, name: str) -> Array:
-    """Signal as a non-empty, finite array of shape (N, n), time along the first axis.
-
-    Raises ValueError, with `name`, for any other signal.
-    """
+    """Signal as a non-empty, finite array of shape (N, n), time along the first axis."""
     values = as_samples(signal, name)
     if not np.isfinite(values).all():
         i, j = np.argwhere(~np.isfinite(values))[0]

@@ -91,54 +91,28 @@ class Study:
         """The law where one learns."""
         return self.law or self.one_heuristic
 
-    def heuristic(
-        self, cutoff: float | None, delta: int | None = None, stiffness_factor: float = 1.0
-    ) -> TwoMassLearning:
+    def heuristic(self, cutoff: float | None, delta: int | None = None) -> TwoMassLearning:
         """500 updates of the heuristic law with a cutoff [Hz]; None: Q = 1."""
         shift = self.delta if delta is None else delta
-        return learned(
-            cutoff,
-            delta=shift,
-            stiffness_factor=stiffness_factor,
-            loop=self.loop,
-            gamma=self.gamma,
-        )
+        law = heuristic(cutoff, shift, self.loop.sample_time, self.gamma)
+        return learned(law, self.loop, 1.0)
 
     def learned(self, stiffness_factor: float = 1.0) -> TwoMassLearning:
         """500 updates of the law; stiffness_factor: assumed over actual stiffness in F_r."""
-        if self.law is None:
-            return self.heuristic(self.cutoff, stiffness_factor=stiffness_factor)
-        return _by_law(self.law, self.loop, stiffness_factor)
-
-
-@lru_cache(maxsize=8)
-def _by_law(law: Law, loop: TwoMassLoop, stiffness_factor: float) -> TwoMassLearning:
-    assumed = loop if stiffness_factor == 1.0 else loop.with_stiffness_error(stiffness_factor)
-    return run(TwoMassPlant(loop=assumed), law, 500)
+        law = self.law or heuristic(self.cutoff, self.delta, self.loop.sample_time, self.gamma)
+        return learned(law, self.loop, stiffness_factor)
 
 
 @lru_cache(maxsize=32)
-def learned(
-    cutoff: float | None,
-    *,
-    delta: int = DELTA,
-    stiffness_factor: float = 1.0,
-    iterations: int = 500,
-    loop: TwoMassLoop = TwoMassLoop(),
-    gamma: float = GAMMA,
-) -> TwoMassLearning:
-    """Learning on the motor side; stiffness_factor: assumed over actual stiffness in F_r."""
+def learned(law: Law, loop: TwoMassLoop, stiffness_factor: float) -> TwoMassLearning:
+    """500 updates on the motor side; stiffness_factor: assumed over actual stiffness in F_r."""
     if stiffness_factor != 1.0:
         loop = loop.with_stiffness_error(stiffness_factor)
-    law = heuristic(cutoff, delta, loop.sample_time, gamma)
-    return run(TwoMassPlant(loop=loop), law, iterations)
+    return run(TwoMassPlant(loop=loop), law, 500)
 
 
 def run(plant: TwoMassPlant | FrictionPlant, law: Law, iterations: int) -> TwoMassLearning:
-    """Learning with any law on the motor side of the joint, not stopped where it diverges.
-
-    Raises ValueError where its error grows beyond what can be drawn.
-    """
+    """Learning with any law on the motor side of the joint, not stopped where it diverges."""
     motor, arm, kept = [], [], {}
     for trial in learn(
         plant,

@@ -8,11 +8,6 @@ from .criterion import hertz as hertz
 from .criterion import heuristic_criterion as heuristic_criterion
 from .eigenloci import Eigenloci as Eigenloci
 from .eigenloci import eigenloci as eigenloci
-from .limits import largest_common_cutoff as largest_common_cutoff
 from .limits import largest_cutoff as largest_cutoff
-from .limits import largest_gain_factor as largest_gain_factor
 from .limits import largest_gamma as largest_gamma
 from .record_iteration import LiftedIteration as LiftedIteration
-from .record_iteration import RecordIteration as RecordIteration
-from .robustness import fraction_interval as fraction_interval
-from .robustness import sampled_robustness as sampled_robustness

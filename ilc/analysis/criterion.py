@@ -147,7 +147,6 @@ def heuristic_criterion(
     delta: int | tuple[int, ...],
     Q: RecordFilter,
     omega: Array | None = None,
-    of: Contracting = Contracting.CORRECTION,
 ) -> Criterion:
     """Criterion for L = gamma q^delta.
 
@@ -157,16 +156,14 @@ def heuristic_criterion(
         delta: one shift, or one for each motor.
         omega: frequencies [rad/sample]; None: a grid refined at the poles until the contraction is
             known to 1e-9, if Q has `poles`.
-
-    Raises:
-        ValueError: for an unstable T_u.
     """
     require_stable(T_u, "T_u")
     L = heuristic_gain(T_u, gamma, delta)
     require_one_sample_time(T_u, Q)
 
     def at(omega: Array) -> Criterion:
-        return criterion(T_u.response(omega), L.response(omega), Q.response(omega), omega, of)
+        T, gain, q = T_u.response(omega), L.response(omega), Q.response(omega)
+        return criterion(T, gain, q, omega, Contracting.CORRECTION)
 
     def power(omega: Array) -> Array:
         return np.square(at(omega).learning * at(omega).q)
@@ -214,11 +211,6 @@ def asymptotic_error(
     (I - Q (I - L T_u)) U_inf = Q L E_0. A repeating load w is part of e_0 = e - T_w w.
     The record is treated as one period; n_padding zeros after it represent a record that begins
     and ends at rest.
-
-    Raises:
-        ValueError: for an unstable T_u, a Q whose cutoffs are not as many as the columns, or if the
-            denominator vanishes at a frequency, which then has no limit, at which some correction
-            is neither learned nor forgotten.
     """
     n_samples = len(first_error)
     length = n_samples + n_padding

@@ -1,7 +1,6 @@
-"""Largest gain and cutoff that meet the convergence criterion.
+"""Largest gain and cutoff that meet the convergence criterion, in closed form for one motor.
 
-Closed forms for one motor, bisection of the criterion for coupled motors.
-Closed forms are smallest values over frequency. The grid resolves every pole of T_u, and each
+Both are smallest values over frequency. The grid resolves every pole of T_u, and each
 smallest value is located between its neighbours.
 """
 
@@ -12,17 +11,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
 
-from ..filters import PerColumn, RecordFilter, ZeroPhaseButterworth
+from ..filters import ZeroPhaseButterworth
 from ..models.conversion import as_system
 from ..models.peak import AllPassPhase
 from ..models.state_space import StateSpace
 from ..models.system import Complex, System, require_stable
-from ..models.system_matrix import Model
 from ..records import as_number, as_real, as_whole
-from .criterion import frequency_grid, heuristic_criterion, shift_response
+from .criterion import frequency_grid, shift_response
 
 _ZOOMS = 8  # halvings of the grid around a smallest value: its error falls by 4 in each
-_FOUND = 1e-6  # relative width at which a bisection ends
 
 
 def _grid(T_u: System, deltas: ArrayLike, n: int) -> Array:
@@ -153,55 +150,3 @@ def largest_cutoff(
     lowest = np.array([t_c.argmin()])
     t_c = _zoomed(at, omega, lowest, t_c[lowest])
     return float(np.arctan(t_c[0]) / (np.pi * T_u.sample_time))
-
-
-def largest_gain_factor(
-    T_u: Model, gamma: PerColumn | Array, delta: int | tuple[int, ...], Q: RecordFilter
-) -> float:
-    """Supremum of the factors on `gamma` that meet the criterion of coupled motors, to 1e-6.
-
-    The largest singular value of Q (I - f L T_u) is convex in f and at most 1 at f = 0, so the
-    admissible factors are an interval from 0; 0: none is.
-    """
-    gains = np.asarray(gamma, dtype=np.float64)
-
-    def met(factor: float) -> bool:
-        return heuristic_criterion(T_u, factor * gains, delta, Q).is_met
-
-    high = 1.0
-    while met(high) and high < 1e6:
-        high *= 2.0
-    low = high / 2.0
-    while not met(low) and low > 1e-6:
-        high, low = low, low / 2.0
-    return _bisected(met, low, high) if low > 1e-6 else 0.0
-
-
-def largest_common_cutoff(
-    T_u: Model,
-    gamma: PerColumn | Array,
-    delta: int | tuple[int, ...],
-    *,
-    order: int = 2,
-) -> float:
-    """Supremum of the cutoffs [Hz] of one Q for all coupled motors that meet the criterion.
-
-    To 1e-6. Infinity if Q = 1 is admissible; 0 if no cutoff is.
-    """
-    nyquist = 0.5 / T_u.sample_time
-
-    def met(cutoff: float) -> bool:
-        Q = ZeroPhaseButterworth(cutoff, T_u.sample_time, order)
-        return heuristic_criterion(T_u, gamma, delta, Q).is_met
-
-    if met((1.0 - 1e-9) * nyquist):
-        return np.inf
-    low = 1e-4 * nyquist
-    return _bisected(met, low, nyquist) if met(low) else 0.0
-
-
-def _bisected(met: Callable[[float], bool], low: float, high: float) -> float:
-    while high - low > _FOUND * high:
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if met(middle) else (low, middle)
-    return low

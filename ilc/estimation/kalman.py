@@ -22,7 +22,7 @@ from .process import Process, steady_state_covariance
 _AMPLIFIED = 5e5  # of rounding of P in one update, from which smoothed variances may be lost
 _TOO_FAR_APART = (
     "variances of states and readings are too far apart for Smoother: its variances may be wrong, "
-    "even negative, and then its means; use square_root.smooth_square_root"
+    "even negative, and then its means"
 )
 
 
@@ -75,31 +75,13 @@ class SteadyStateFilter:
         inverse: Array = np.asarray(np.linalg.inv(L), dtype=np.float64)
         return inverse, 2.0 * np.log(np.diag(L))
 
-    @records("y", gate=as_measured)
-    def whitened(self, y: Array, start: Array | None = None) -> tuple[Array, Array]:
-        """Innovations L^-1 e (N, p) of the channels that are there, and their terms 2 log L_ii.
-
-        L L^T is the covariance of the channels that are there: the prediction error of a record
-        with single channels missing (NaN in the first, 0 in the second).
-        """
-        e = self(y, start).innovation
-        white, terms = np.full_like(e, np.nan), np.zeros_like(e)
-        patterns, which = np.unique(np.isfinite(e), axis=0, return_inverse=True)
-        for k, pattern in enumerate(patterns):
-            there, rows = np.flatnonzero(pattern), np.flatnonzero(which.ravel() == k)
-            L = np.linalg.cholesky(self.innovation_covariance[np.ix_(there, there)])
-            white[np.ix_(rows, there)] = np.linalg.solve(L, e[np.ix_(rows, there)].T).T
-            terms[np.ix_(rows, there)] = 2.0 * np.log(np.diag(L))
-        return white, terms
-
 
 @dataclass(frozen=True, eq=False)
 class Smoother:
     """Kalman smoother for records of N samples with the same measurements missing.
 
     The covariances are differences: where variances of states and readings are some 1e12 apart,
-    rounding may leave nothing of them. A RuntimeWarning says so, unless a reading has no noise;
-    `square_root.smooth_square_root` is right there.
+    rounding may leave nothing of them. A RuntimeWarning says so, unless a reading has no noise.
     """
 
     process: Process

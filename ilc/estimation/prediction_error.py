@@ -28,10 +28,8 @@ doubted: right minima of an arm's springs lie at 1.7 to 2.3, wrong ones at 6 to 
 
 class Whitened(NamedTuple):
     """Normalised innovations L^-1 e (N, p), L L^T = S, white with unit variance for a correct
-    model, and the terms of log det S: 2 log L_ii, (p,).
-
-    Rows with a missing channel (NaN) do not count, unless the terms are those of each entry,
-    (N, p): `SteadyStateFilter.whitened`.
+    model, and the terms of log det S: 2 log L_ii, (p,). Rows with a missing channel (NaN) do not
+    count.
     """
 
     innovation: Array
@@ -72,9 +70,6 @@ def estimate_parameters(
         prior, prior_sd: (m,), mean and standard deviation of the prior.
         starts: each (m,).
         further: starts that are tried too where the minimum found lies `FAR` from the prior.
-
-    Raises:
-        RuntimeError: no start leads to a finite cost.
     """
     (theta, cost), costs = _from_starts(model, prior, prior_sd, starts)
     if further and np.square((theta - prior) / prior_sd).mean() > FAR:
@@ -102,27 +97,18 @@ def _from_starts(
 def _cost(residual: Whitened, theta: Array, prior: Array, sd: Array) -> float:
     if np.isinf(residual.innovation).any():
         return np.inf
-    seen, n = _seen(residual)
+    seen = _seen(residual)
     value = (
         np.square(residual.innovation[seen]).sum()
-        + n * np.sum(_terms(residual, seen))
+        + seen.sum() * np.sum(np.atleast_1d(residual.log_det))
         + np.square((theta - prior) / sd).sum()
     )
     return float(value) if np.isfinite(value) else np.inf
 
 
-def _seen(residual: Whitened) -> tuple[NDArray[np.bool_], int]:
-    """Rows (N,), or entries (N, p), that count, and how often each term of log det S does."""
-    finite = np.isfinite(residual.innovation)
-    if np.ndim(residual.log_det) == 2:
-        return finite, 1
-    rows = np.asarray(finite.all(axis=1))
-    return rows, int(rows.sum())
-
-
-def _terms(residual: Whitened, seen: NDArray[np.bool_]) -> Array:
-    log_det = np.atleast_1d(residual.log_det)
-    return log_det[seen] if log_det.ndim == 2 else log_det
+def _seen(residual: Whitened) -> NDArray[np.bool_]:
+    """Rows (N,) that count."""
+    return np.asarray(np.isfinite(residual.innovation).all(axis=1))
 
 
 def _linearised(
@@ -135,15 +121,15 @@ def _linearised(
     all of it but 1/4 of the squares of d 2 log L_ii.
     """
     here = model(theta)
-    seen, n = _seen(here)
-    e, log_det = here.innovation[seen].ravel(), _terms(here, seen)
+    seen = _seen(here)
+    e, log_det, n = here.innovation[seen].ravel(), np.atleast_1d(here.log_det), int(seen.sum())
     J, d_log_det = np.zeros((e.size, theta.size)), np.zeros((log_det.size, theta.size))
     for i, step in enumerate(np.diag(_DIFFERENCE * sd)):
         for side in (step, -step):  # the other side where the model ends within a step
             there = model(theta + side)
             if np.isfinite(there.innovation[seen]).all():
                 J[:, i] = (there.innovation[seen].ravel() - e) / side[i]
-                d_log_det[:, i] = (_terms(there, seen) - log_det) / side[i]
+                d_log_det[:, i] = (np.atleast_1d(there.log_det) - log_det) / side[i]
                 break
     information = J.T @ J + 0.25 * n * d_log_det.T @ d_log_det + np.diag(sd**-2.0)
     gradient = J.T @ e + 0.5 * n * d_log_det.sum(axis=0) + (theta - prior) / sd**2

@@ -146,9 +146,6 @@ def steady_state_covariance(process: Process) -> Array:
 
     P is the solution that makes the filter stable. From P = 0 a recursion misses it where a state
     grows without process noise; the generalised eigenvalue problem then finds it.
-
-    Raises RuntimeError if there is none: a state is neither observable nor stable, or neither
-    driven by noise nor stable.
     """
     try:
         R_C = np.linalg.solve(process.R, process.C)

@@ -32,10 +32,7 @@ class ScheduledSmoother:
     """Smoother for records of N samples, with the process of each sample."""
 
     def __init__(self, processes: Sequence[Process], schedule: np.ndarray) -> None:
-        """schedule: (N,) index among the processes.
-
-        Raises RuntimeError for a process without a steady state.
-        """
+        """schedule: (N,) index among the processes."""
         filters = [SteadyStateFilter(one) for one in processes]
         self.schedule = np.ascontiguousarray(schedule, dtype=np.int64)
         self._A, self._C = _stack([f.process.A for f in filters]), filters[0].process.C

@@ -4,43 +4,19 @@ y(t) + a_1 y(t-1) + ... = b_0 u(t-n_k) + b_1 u(t-n_k-1) + ... + noise. Thesis (9
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from enum import Enum
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from ..estimation.consistency import Whiteness, residual_test
-from ..models.system import System
+from ..estimation.consistency import residual_test
 from ..records import records
+from .polynomial import Information, Orders, Polynomials
+from .polynomial_fit import PolynomialFit
 
 
-class Information(Enum):
-    """Penalty on the number of coefficients."""
-
-    AIC = "aic"
-    BIC = "bic"
-    """log(samples) a coefficient: consistent order selection."""
-
-
-@dataclass(frozen=True, eq=False)
-class ArxFit:
-    """Identified ARX model and its uncertainty."""
-
-    system: System
-    na: int
-    nb: int
-    nk: int
-    coefficients: Array
-    """(a_1 .. a_na, b_0 .. b_(nb-1)), and their covariance."""
-    covariance: Array
-    noise_variance: float
-    """Unbiased variance of the equation error."""
-    n_samples: int
-    whiteness: Whiteness | None
-    """Test of the residuals, all experiments together; None for records too short for it."""
+class ArxFit(PolynomialFit):
+    """Identified ARX model, and its uncertainty for white equation error."""
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -51,31 +27,6 @@ class ArxFit:
             f"the residuals are not white (p = {self.whiteness.p_value.min():.1g}), as with noise "
             "on the output: coefficients are biased, and their intervals too narrow",
         )
-
-    @property
-    def standard_errors(self) -> Array:
-        return np.sqrt(np.diag(self.covariance))
-
-    def confidence(self, sigmas: float = 1.96) -> Array:
-        """(coefficients, 2), confidence interval of each; 1.96 standard errors are 95 %."""
-        width = sigmas * self.standard_errors
-        return np.column_stack((self.coefficients - width, self.coefficients + width))
-
-    def response_deviation(self, omega: ArrayLike) -> Array:
-        """Standard deviation of |T_u(e^{j omega})| to first order, at omega [rad/sample]."""
-        z = np.exp(-1j * np.asarray(omega, dtype=np.float64))
-        T, A = self.system.response(omega), np.polyval(self.system.a[::-1], z)
-        by_a = [-T * z**i / A for i in range(1, self.na + 1)]
-        by_b = [z ** (self.nk + i) / A for i in range(self.nb)]
-        slopes = np.stack(by_a + by_b, axis=-1)
-        slopes = (slopes * np.conj(T)[..., None]).real / np.abs(T)[..., None]  # of the magnitude
-        return np.sqrt(np.einsum("...i,ij,...j->...", slopes, self.covariance, slopes))
-
-    def score(self, criterion: Information) -> float:
-        """Information criterion; the smallest is best. From the maximum-likelihood variance."""
-        penalty = 2.0 if criterion is Information.AIC else np.log(self.n_samples)
-        n, d = self.n_samples, self.na + self.nb
-        return n * np.log(self.noise_variance * (n - d) / n) + penalty * d
 
 
 @records("u", "y")
@@ -92,9 +43,6 @@ def fit_arx(
     """Least-squares fit; u, y: shape (N, m), m experiments from rest, all used together.
 
     skip: samples omitted at the start of each experiment; equal for all orders compared.
-
-    Raises:
-        ValueError: for orders that are negative or too large, or data that do not excite.
     """
     if na < 0 or nb < 1 or nk < 0:
         raise ValueError(f"orders must be na >= 0, nb >= 1, nk >= 0, got {na}, {nb}, {nk}")
@@ -115,14 +63,11 @@ def fit_arx(
         raise ValueError(f"the data do not excite {na + nb} coefficients, only {rank}")
     residual = target - regressor @ coefficients
     variance = float(residual @ residual) / (len(target) - na - nb)
-    b, a = np.concatenate((np.zeros(nk), coefficients[na:])), np.append(1.0, coefficients[:na])
     covariance = variance * np.linalg.inv(regressor.T @ regressor).astype(np.float64)
     noise = max(variance, np.finfo(float).tiny)
-    system = System(b, a, sample_time)
-    left = residual.reshape(-1, y.shape[1])
-    return ArxFit(
-        system, na, nb, nk, coefficients, covariance, noise, len(target), residual_test(left)
-    )
+    left = residual_test(residual.reshape(-1, y.shape[1]))
+    model = Polynomials(Orders.armax(na, nb, 0, nk), coefficients, sample_time)
+    return ArxFit(model, covariance, noise, len(target), left, None)
 
 
 @records("u", "y")

@@ -20,6 +20,7 @@ from armside.arrays import Array
 
 from ..estimation.consistency import Whiteness, residual_test
 from ..filters import recursion
+from ..models.state_space import StateSpace
 from ..models.system import System
 from ..records import as_record, records
 from .polynomial import delayed
@@ -82,9 +83,6 @@ def fit_first_order(
     """Least squares of the simulation error; u, y: shape (N, m), m experiments from rest.
 
     For each delay the pole is searched in [0, 0.98]; the gain follows in closed form.
-
-    Raises:
-        ValueError: shapes that differ, or an input or output that is zero throughout.
     """
     from scipy.optimize import minimize_scalar
 
@@ -111,9 +109,9 @@ def fit_first_order(
     return FirstOrderModel(system, delay, pole, fit, covariance, residual_test(left))
 
 
-@records("u", "y")
-def fit_of(system: System, u: Array, y: Array) -> float:
-    """Fit of a model's simulation to (u, y), shape (N, m), all experiments together."""
+@records("u", "y", alike=False)
+def fit_of(system: System | StateSpace, u: Array, y: Array) -> float:
+    """Fit of a model's simulation from rest to (u, y), (N, m) and (N, p), all columns together."""
     return float(_fit(system, u, y, None))
 
 
@@ -123,7 +121,7 @@ def fit_of_each(system: System, u: Array, y: Array) -> Array:
     return np.asarray(_fit(system, u, y, 0), dtype=np.float64)
 
 
-def _fit(system: System, u: Array, y: Array, axis: int | None) -> Array:
+def _fit(system: System | StateSpace, u: Array, y: Array, axis: int | None) -> Array:
     error = np.linalg.norm(y - system.simulate(u), axis=axis)
     return 1.0 - error / np.linalg.norm(y - y.mean(axis=0), axis=axis)
 
@@ -160,9 +158,6 @@ def learning_data(
 
     N: the smallest `motion_end`. motors: columns, counted from 0; None: all. Differences of errors
     are formed and summed in the precision in which they are stored.
-
-    Raises:
-        ValueError: if there are no records, or no samples of motion.
     """
     records = list(records)
     if not records:

@@ -31,10 +31,7 @@ from ..records import as_real, as_record
 
 
 def lines_between(low: float, high: float, period: int, sample_time: float) -> list[int]:
-    """Lines of a period of `period` samples from `low` to `high` [Hz], ends included.
-
-    Raises ValueError for a band without lines, or one that reaches 0 or the Nyquist frequency.
-    """
+    """Lines of a period of `period` samples from `low` to `high` [Hz], ends included."""
     step = 1.0 / (period * sample_time)
     first, last = int(np.ceil(low / step - 1e-9)), int(np.floor(high / step + 1e-9))
     if not 1 <= first <= last <= (period - 1) // 2:
@@ -59,9 +56,6 @@ def orthogonal_multisines(
         lines: (M,) harmonics of the period, each from 1 to below period / 2.
         rng: draws the phases; new ones are another realisation of the same power.
         rms: of each input, one value or (n,).
-
-    Raises:
-        ValueError: for lines outside of that range, or an RMS that is not positive.
     """
     k, size = harmonics(lines, period), np.broadcast_to(as_real(rms, "rms"), (n_inputs,))
     if not (np.isfinite(size).all() and (size > 0.0).all()):
@@ -202,10 +196,6 @@ def frequency_response(
         realisations: for each realisation its n experiments, as of `orthogonal_multisines`.
         lines: (M,) harmonics of the period that are excited, each from 1 to below period / 2.
         omitted: periods at the start of each experiment that are not used.
-
-    Raises:
-        ValueError: for lines that are no such harmonics, records that are no whole periods, fewer
-            than two periods that remain, or experiments that do not excite all inputs.
     """
     k = harmonics(lines, period)
     each = [_spectra(experiments, period, k, omitted) for experiments in realisations]

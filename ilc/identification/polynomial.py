@@ -7,6 +7,7 @@ prediction error is e = D / C v. Ljung, "System Identification", 2nd ed., sectio
 """
 
 from dataclasses import dataclass, replace
+from enum import Enum
 from functools import cached_property
 
 import numpy as np
@@ -17,6 +18,15 @@ from armside.arrays import Array
 from ..filters import recursion
 from ..models.system import Complex, System
 from ..records import records
+
+
+class Information(Enum):
+    """Penalty on the number of coefficients."""
+
+    AIC = "aic"
+    BIC = "bic"
+    """log(samples) a coefficient: consistent order selection."""
+
 
 POLYNOMIALS = "abcdf"
 _INSIDE = 0.999  # modulus of mirrored zeros of a start: beyond it a predictor forgets no start

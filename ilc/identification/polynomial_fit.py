@@ -21,8 +21,7 @@ from ..estimation.consistency import Whiteness, independence, residual_test
 from ..filters import recursion
 from ..models.system import System
 from ..records import records
-from .arx import Information
-from .polynomial import Orders, Polynomials, delayed
+from .polynomial import Information, Orders, Polynomials, delayed
 
 _LONG = 20  # orders of the ARX model that gives innovations, at most
 _REPEATED = 15
@@ -202,11 +201,7 @@ class PolynomialFit:
 
 @records("u", "y")
 def fit_polynomial(u: Array, y: Array, sample_time: float, orders: Orders) -> PolynomialFit:
-    """Fit to u, y: shape (N, m), m experiments from rest, all used together.
-
-    Raises:
-        ValueError: for records too short for the orders, or data that do not excite them.
-    """
+    """Fit to u, y: shape (N, m), m experiments from rest, all used together."""
     rows = y.size - orders.count
     if rows <= orders.count + orders.nk:
         raise ValueError(f"{orders.count} coefficients need more than {y.size} samples")

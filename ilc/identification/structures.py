@@ -5,7 +5,7 @@ information criterion. Ljung, "System Identification", 2nd ed., 16.5 and 16.8.
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
@@ -15,8 +15,9 @@ from armside.arrays import Array
 from ..models.state_space import StateSpace
 from ..models.system import System
 from ..records import records
-from .arx import Information, select_arx
-from .polynomial import Orders
+from .arx import select_arx
+from .first_order_lag import fit_of
+from .polynomial import Information, Orders
 from .polynomial_fit import PolynomialFit, fit_polynomial
 from .subspace import SubspaceFit, rank_subspace_orders
 
@@ -29,10 +30,7 @@ def rank_orders(
     candidates: Iterable[Orders],
     criterion: Information = Information.BIC,
 ) -> list[PolynomialFit]:
-    """Fits of all candidates to (u, y), shape (N, m), best first. BIC is Rissanen's MDL.
-
-    Raises ValueError without candidates, and as `fit_polynomial`.
-    """
+    """Fits of all candidates to (u, y), shape (N, m), best first. BIC is Rissanen's MDL."""
     fits = [fit_polynomial(u, y, sample_time, orders) for orders in candidates]
     if not fits:
         raise ValueError("candidates must not be empty")
@@ -76,20 +74,12 @@ class Candidate:
     structure: Structure
     fit: PolynomialFit | SubspaceFit
     accuracy: float
-    """`simulation_accuracy` on the record of the fit."""
-
-    @classmethod
-    def of(
-        cls, structure: Structure, fit: PolynomialFit | SubspaceFit, u: Array, y: Array
-    ) -> "Candidate":
-        """Candidate with its accuracy on u, y."""
-        one = cls(structure, fit, np.nan)
-        return replace(one, accuracy=simulation_accuracy(one.system, u, y))
+    """Fit of the simulation on the record of the fit."""
 
     @property
     def system(self) -> System | StateSpace:
         """From u to y."""
-        return self.fit.system if isinstance(self.fit, PolynomialFit) else self.fit.model.system
+        return self.fit.model.system
 
     @property
     def orders(self) -> str:
@@ -115,13 +105,6 @@ class Candidate:
 
 
 @records("u", "y", alike=False)
-def simulation_accuracy(system: System | StateSpace, u: Array, y: Array) -> float:
-    """1 - ||y - y_sim|| / ||y - mean(y)||, simulated from rest."""
-    left = y - system.simulate(u)
-    return float(1.0 - np.linalg.norm(left) / np.linalg.norm(y - y.mean(axis=0)))
-
-
-@records("u", "y", alike=False)
 def compare_structures(
     u: Array,
     y: Array,
@@ -137,8 +120,6 @@ def compare_structures(
     Fits without warnings come first, by the criterion. With a warning the criterion says little of
     the response from u to y, so those follow by the accuracy of simulation. Several inputs or
     outputs are for the subspace structure alone.
-
-    Raises ValueError for records that are too short, or without a structure that fits them.
     """
     asked = list(structures)
     if (u.shape[1], y.shape[1]) != (1, 1):
@@ -157,7 +138,7 @@ def compare_structures(
         else:
             sizes = [_ORDERS[each](n, delay) for n in range(1, largest_order + 1)]
             best = _best(u, y, sample_time, sizes, criterion)
-        found.append(Candidate.of(each, best, u, y))
+        found.append(Candidate(each, best, fit_of(best.model.system, u, y)))
     sound = [one for one in found if not one.warnings]
     others = [one for one in found if one.warnings]
     sound.sort(key=lambda one: one.fit.score(criterion))
@@ -172,7 +153,7 @@ def _delay(u: Array, y: Array, sample_time: float, largest: int) -> int:
         try:
             return select_arx(
                 u, y, sample_time, na=[order], nb=[order], nk=range(largest + 1)
-            )[0].nk  # fmt: skip
+            )[0].model.orders.nk  # fmt: skip
         except ValueError as error:
             reason = error
     assert reason is not None
@@ -186,7 +167,7 @@ def _best(
     fits, reason = list[PolynomialFit](), None
     for orders in sizes:
         try:
-            fits += rank_orders(u, y, sample_time, [orders])
+            fits.append(fit_polynomial(u, y, sample_time, orders))
         except ValueError as error:
             reason = error
     if not fits:

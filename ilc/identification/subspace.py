@@ -17,8 +17,8 @@ from armside.arrays import Array
 
 from ..estimation.consistency import Whiteness, pairwise_independence, residual_test
 from ..records import records
-from .arx import Information
 from .innovations_form import InnovationsForm, refined, states
+from .polynomial import Information
 
 _FLOOR = 1e-9  # variance of the outputs' noise at least, relative to the one found
 
@@ -147,9 +147,6 @@ def fit_subspace(
     Args:
         horizon: block rows of past and future, more than order / p.
         feedthrough: fit D; 0 otherwise.
-
-    Raises:
-        ValueError: for an order that the horizon does not hold, or records that are too short.
     """
     m, p = u.shape[1], y.shape[1]
     if not 1 <= order < horizon * p:

@@ -41,15 +41,6 @@ class FirstOrderLaw:
         """Accept records of every shape, unless a law overrides this."""
 
 
-def require_linear(law: Any) -> None:
-    """Raise ValueError for a law whose iteration is no linear map: with memory, or with limits."""
-    name = type(law).__name__
-    if not callable(law):
-        raise ValueError(f"{name} has a memory: the analysis is that of laws without one")
-    if np.isfinite(getattr(law, "limit", np.inf)).any():
-        raise ValueError(f"{name} has limits, so it is not linear: analyse it with limit=inf")
-
-
 @dataclass(frozen=True, kw_only=True)
 class FilteredLaw:
     """Filters of a law: L of the error, an inverse of T_u or an approximation, and Q."""

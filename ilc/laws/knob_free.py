@@ -86,7 +86,8 @@ class KnobFree:
         if memory is None:
             memory = Known(correction[None], error[None])
             return correction + FIRST * self.Q(error), memory
-        memory = _with_run(memory, correction, error)
+        given = (memory.corrections, correction), (memory.errors, error)
+        memory = Known(*(np.concatenate((all_, one[None])) for all_, one in given))
         best, setbacks = memory.best, len(memory.errors) - 1 - memory.best
         change, seen = np.diff(memory.corrections, axis=0), -np.diff(memory.errors, axis=0)
         held, missing = self._held(memory)
@@ -110,11 +111,6 @@ class KnobFree:
         model = friction(self.reference, list(zip(corrections, errors, strict=True)))
         needed = np.stack([model.as_correction(self.reference - e) for e in errors])
         return np.diff(needed, axis=0), model.as_correction(self.reference) - needed[memory.best]
-
-
-def _with_run(known: Known, correction: Array, error: Array) -> Known:
-    corrections = np.concatenate((known.corrections, correction[None]))
-    return Known(corrections, np.concatenate((known.errors, error[None])))
 
 
 def _explained(seen: Array, simulated: list[Array]) -> Array:

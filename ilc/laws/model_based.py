@@ -1,19 +1,12 @@
 """Learning filters and laws from a model of T_u: its adjoint and its inverses.
 
-`Gradient` is steepest descent on ||e||^2, `ModelInverse` is Algorithm 2 of the thesis, an inverse
-with a desired rate of convergence. `RegularisedInverse` is a law for several outputs and inputs,
+`ModelInverse` is Algorithm 2 of the thesis. `RegularisedInverse` is a law for several outputs and
+inputs; of all corrections with the same effect it chooses the one with the smallest norm in S,
 
     U_{k+1} = Q (U_k + gamma L E_k)        L = (G^H W G + rho S^-2)^-1 G^H W
 
-W weights the outputs and S scales the inputs: of all corrections with the same effect the law
-chooses the one with the smallest norm in S. G need be neither square nor invertible. The record
+W weights the outputs and S scales the inputs; G need be neither square nor invertible. The record
 is extended by a taper from its last value to its first, which leaves no step for L to amplify.
-`ScheduledInverse` blends such inverses of a plant that varies along the trajectory,
-
-    u_{k+1} = Q (u_k + gamma sum_s w_s(t) L_s e_k),
-
-with weights w_s that fade from each place to the next: as slowly as a place is left, as right is
-the inverse.
 """
 
 from dataclasses import dataclass, field
@@ -125,22 +118,16 @@ class ModelInverse:
         learned = self.rate * self.learned.response(omega)
         if T.ndim == 1:
             power = np.square(np.abs(T)) + self._rho
-            self._require_inverse(power == 0.0, learned)
+            _require_inverse(power == 0.0, learned)
             return learned * T.conj() / np.where(power == 0.0, 1.0, power)
         learned = learned if learned.ndim == 2 else learned[:, None]
         U, s, V_H = np.linalg.svd(T, full_matrices=False)
         if self._rho == 0.0:
-            self._require_inverse(s[:, -1] <= _SINGULAR * s[:, 0], learned.max(axis=1))
+            _require_inverse(s[:, -1] <= _SINGULAR * s[:, 0], learned.max(axis=1))
         with np.errstate(divide="ignore", invalid="ignore"):
             gain = np.nan_to_num(s / (np.square(s) + self._rho), nan=0.0, posinf=0.0)
         inverse = (V_H.conj().swapaxes(1, 2) * gain[:, None, :]) @ U.conj().swapaxes(1, 2)
         return (inverse * learned[:, None, :]).astype(np.complex128)
-
-    def _require_inverse(self, singular: NDArray[np.bool_], learned: Array) -> None:
-        if (singular & (np.abs(learned) > _LEARNED)).any():
-            raise ValueError(
-                "T_u has no inverse at a frequency that is learned: regularisation > 0"
-            )
 
     @records("signal")
     def __call__(self, signal: Array, /) -> Array:
@@ -156,6 +143,11 @@ class ModelInverse:
         matrix = L.ndim == 3
         moved = (L @ spectrum[:, :, None])[:, :, 0] if matrix else L.reshape(len(L), -1) * spectrum
         return np.fft.irfft(moved, len(extended), axis=0)[:n_samples]
+
+
+def _require_inverse(singular: NDArray[np.bool_], learned: Array) -> None:
+    if (singular & (np.abs(learned) > _LEARNED)).any():
+        raise ValueError("T_u has no inverse at a frequency that is learned: regularisation > 0")
 
 
 class Response(Protocol):
@@ -259,7 +251,7 @@ _PASSED = 1e-3
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ScheduledInverse(FirstOrderLaw):
-    """Law for errors (N, p) and corrections (N, n) of one record."""
+    """u_{k+1} = Q (u_k + gamma sum_s w_s(t) L_s e_k) for a plant that varies along the record."""
 
     laws: tuple[RegularisedInverse, ...]
     """Of each place; Q, gain and limit of the first serve all."""

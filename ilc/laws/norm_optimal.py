@@ -1,14 +1,13 @@
 """Norm-optimal learning: the minimum of a quadratic criterion over the finite record, Algorithm 3.
 
-`NormOptimal` solves it for any model, `Constrained` with bounds on the correction, `PointToPoint`
-for an output that has to be right at some samples and is free between them (Freeman, "Constrained
-point-to-point iterative learning control with experimental verification", 2012; Janssens,
-Pipeleers and Swevers, "A data-driven constrained norm-optimal iterative learning control
-framework for LTI systems", 2013). `RecordOptimal` needs a frequency response alone.
+Point to point: Freeman, "Constrained point-to-point iterative learning control with experimental
+verification" (2012). Limits: Janssens, Pipeleers and Swevers, "A data-driven constrained
+norm-optimal iterative learning control framework for LTI systems" (2013).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +20,7 @@ from ..models.system_matrix import AnyModel, check_model
 from ..records import as_number, as_real, as_whole, records
 from .first_order import FirstOrderLaw
 from .model_based import Response
-from .quadratic import QuadraticCriterion, QuadraticProblem, Weight, conjugate_step, per_sample
+from .quadratic import QuadraticCriterion, QuadraticProblem, Weight, conjugate_gradients, per_sample
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,16 +58,12 @@ class NormOptimal(FirstOrderLaw):
 
     @records("correction", "error", alike=False)
     def __call__(self, correction: Array, error: Array, /) -> Array:
-        self._check_shapes(correction, error)
-        return correction + self._problem.solve(self._problem.descent(correction, error))
-
-    def _check_shapes(self, correction: Array, error: Array) -> None:
-        for signal, weight, name in (
-            (correction, self._problem.Wu, "correction"),
-            (error, self._problem.We, "error"),
-        ):
+        problem = self._problem
+        given = (correction, problem.Wu, "correction"), (error, problem.We, "error")
+        for signal, weight, name in given:
             if signal.shape != weight.shape:
                 raise ValueError(f"{name} must have shape {weight.shape}, got {signal.shape}")
+        return correction + problem.solve(problem.descent(correction, error))
 
     def responses(self, omega: ArrayLike) -> tuple[Complex, Complex]:
         """(Q, L) on infinite records for constant weights: (M,) each for one system, (M, m, m) and
@@ -157,9 +152,6 @@ class Constrained(NormOptimal):
         limit = per_sample(self.limit, self.n_samples, self.n_columns, "limit")
         if (np.abs(free) <= limit).all():
             return free
-        return self._within(limit, free, correction, error)
-
-    def _within(self, limit: Array, free: Array, correction: Array, error: Array) -> Array:
         problem = self._problem
         descent = problem.descent(correction, error)
 
@@ -257,19 +249,14 @@ class RecordOptimal(FirstOrderLaw):
             return through(T_H, seen) + (rho + sigma) * step
 
         right = through(T_H, self.F(self.F(error * weight))) - rho * correction / size
-        return correction + size * _conjugate_gradients(normal, right, self.tolerance)
-
-
-def _conjugate_gradients(A: Callable[[Array], Array], b: Array, tolerance: float | None) -> Array:
-    """x of A x = b. Raises RuntimeError where a given tolerance is not reached."""
-    x, r, p, power = np.zeros_like(b), b, b, float(np.vdot(b, b))
-    enough = (_SOLVED if tolerance is None else tolerance) ** 2 * power
-    for _ in range(_STEPS if tolerance is None else 10 * b.size):
-        if power <= enough:
-            return x
-        x, r, _, power, last = conjugate_step(A, lambda r: r, x, r, p, power)
-        p = r + power / last * p
-    if tolerance is not None and power > enough:
-        reached = np.sqrt(power / np.vdot(b, b))
-        raise RuntimeError(f"the step is known to {reached:.2g} only, not to {tolerance:.2g}")
-    return x
+        tolerance = _SOLVED if self.tolerance is None else self.tolerance
+        steps = _STEPS if self.tolerance is None else 10 * right.size
+        found = np.zeros_like(right), right, (whole := float(np.vdot(right, right)))
+        for found in islice(conjugate_gradients(normal, lambda r: r, right), steps):
+            if found[2] <= tolerance**2 * whole:
+                break
+        x, _, power = found
+        if self.tolerance is not None and power > tolerance**2 * whole:
+            reached = np.sqrt(power / whole)
+            raise RuntimeError(f"the step is known to {reached:.2g} only, not to {tolerance:.2g}")
+        return correction + size * x

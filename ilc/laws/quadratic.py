@@ -1,15 +1,15 @@
 """Quadratic criterion of norm-optimal learning on a finite record, and its solution.
 
 The step d = u_{k+1} - u_k solves H d = g with H = T' F' We F T + Wu + Wd and the negative gradient
-g = T' F' We F e_k - Wu u_k at u_k. For models with states a Riccati recursion factors H in O(N);
-conjugate gradients, with the model itself for H and the factor as preconditioner, check each
-solution and refine it. For a model that is known by its products alone they do all the work.
+g = T' F' We F e_k - Wu u_k at u_k. A Riccati recursion factors H in O(N) for models with states;
+conjugate gradients with the model itself check and refine each solution, and solve for the others.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from itertools import islice
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,12 +17,14 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..filters import recursion
-from ..models.lifted import LiftedModel
 from ..models.products import require_adjoint
 from ..models.state_space import StateSpace, TimeVarying
 from ..models.system import System
 from ..models.system_matrix import AnyModel, SystemMatrix, check_inputs, n_outputs_of
 from ..records import as_real
+
+if TYPE_CHECKING:
+    from .riccati import Factored
 
 Apply = Callable[[Array], Array]
 
@@ -32,22 +34,34 @@ _REFINED = 1e-11  # error at which refinement ends
 _FACTORED, _MATRIX_FREE = 30, 3000  # largest numbers of steps
 
 
+def conjugate_gradients(
+    A: Apply, precondition: Apply, b: Array
+) -> Iterator[tuple[Array, Array, float]]:
+    """x of A x = b after each step from 0, z = precondition(r) of the residual r, and r^T z."""
+    x, r = np.zeros_like(b), b
+    z = p = precondition(r)
+    size = float(np.vdot(r, z))
+    while size != 0.0:
+        Ap = A(p)
+        along = size / float(np.vdot(p, Ap))
+        x, r = x + along * p, r - along * Ap
+        z = precondition(r)
+        before, size = size, float(np.vdot(r, z))
+        yield x, z, size
+        p = z + size / before * p
+
+
 def solve_factored(hessian: Apply, precondition: Apply, g: Array) -> tuple[Array, float]:
     """(d, error): H d = g by a preconditioner that is nearly the inverse of H.
 
     error: estimate of |d - H^-1 g| / |d|, the size of one more correction.
     """
-    d, r = np.zeros_like(g), g
-    z = p = precondition(r)
-    size, estimate = float(np.vdot(r, z)), np.inf
-    if size == 0.0:
-        return d, 0.0
-    for _ in range(_FACTORED):
-        d, r, z, size, before = conjugate_step(hessian, precondition, d, r, p, size)
-        last, estimate = estimate, float(np.linalg.norm(z) / np.linalg.norm(d))
+    d, estimate, last = np.zeros_like(g), 0.0, np.inf
+    for d, z, size in islice(conjugate_gradients(hessian, precondition, g), _FACTORED):
+        estimate = float(np.linalg.norm(z) / np.linalg.norm(d))
         if estimate <= _REFINED or not size > 0.0 or estimate > 0.5 * last:
             break
-        p = z + size / before * p
+        last = estimate
     return d, estimate
 
 
@@ -56,63 +70,15 @@ def solve_matrix_free(hessian: Apply, R: Array, g: Array) -> tuple[Array, float]
 
     error: bound of |d - H^-1 g| / |d| in the norm of R, for r^T H^-1 r <= r^T R^-1 r.
     """
-    d, r = np.zeros_like(g), g
-    z = p = r / R
-    size, estimate = float(np.vdot(r, z)), np.inf
-    if size == 0.0:
-        return d, 0.0
-    for _ in range(_MATRIX_FREE):
-        d, r, z, size, before = conjugate_step(hessian, lambda r: r / R, d, r, p, size)
+    d, estimate = np.zeros_like(g), 0.0
+    for d, _, size in islice(conjugate_gradients(hessian, lambda r: r / R, g), _MATRIX_FREE):
         estimate = float(np.sqrt(size / np.vdot(d, R * d)))
         if estimate <= 0.01 * ACCURACY or not size > 0.0:
             break
-        p = z + size / before * p
+    if not d.any():
+        return d, estimate
     r = g - hessian(d)  # of the solution itself: the updated one drifts by rounding
     return d, max(estimate, float(np.sqrt(np.vdot(r, r / R) / np.vdot(d, R * d))))
-
-
-def conjugate_step(
-    hessian: Apply, precondition: Apply, x: Array, r: Array, p: Array, size: float
-) -> tuple[Array, Array, Array, float, float]:
-    """x, r, z = precondition(r) and r^T z after a step of conjugate gradients along p, and r^T z
-    before."""
-    Hp = hessian(p)
-    along = size / float(np.vdot(p, Hp))
-    x, r = x + along * p, r - along * Hp
-    z = precondition(r)
-    return x, r, z, float(np.vdot(r, z)), size
-
-
-@dataclass(frozen=True, eq=False)
-class LiftedFactor:
-    """Factor of H = T' F' We F T + R, for records (N, m)."""
-
-    cholesky: tuple[Array, bool]
-
-    @classmethod
-    def build(cls, model: LiftedModel, taps: Array, We: Array, R: Array) -> "LiftedFactor":
-        """Raises ValueError if H is singular: some correction has neither effect nor weight."""
-        from scipy.linalg import cho_factor
-
-        G = recursion(taps, np.ones(1), model.T.reshape(len(We), -1)).reshape(model.T.shape)
-        try:
-            H = G.T @ (We.reshape(-1, 1) * G) + np.diag(R.ravel())
-            return cls(cho_factor(H, lower=True))
-        except np.linalg.LinAlgError:
-            remedy = "raise the weight of the correction or of its change"
-            raise ValueError(f"the criterion does not determine the correction: {remedy}") from None
-
-    def solve(self, g: Array) -> Array:
-        """d with H d = g, (N, m) each."""
-        from scipy.linalg import cho_solve
-
-        return cho_solve(self.cholesky, g.ravel()).reshape(g.shape)
-
-
-class Factor(Protocol):
-    """Solver of H d = g for some columns, up to rounding."""
-
-    def solve(self, g: Array, /) -> Array: ...
 
 
 Weight = float | Array
@@ -154,9 +120,8 @@ class QuadraticProblem:
     taps: Array
     """Coefficients of F."""
     We: Array
-    """Weights of each sample and output, (N, p)."""
+    """(N, p), of each sample and output; Wu and Wd (N, m), of each input."""
     Wu: Array
-    """Weights of each sample and input, (N, m); likewise Wd."""
     Wd: Array
 
     @classmethod
@@ -167,56 +132,40 @@ class QuadraticProblem:
         check_inputs(T_u, n_columns)
         if (covered := getattr(T_u, "n_samples", n_samples)) != n_samples:
             raise ValueError(f"T_u covers {covered} samples, the record {n_samples}")
-        sizes = {
-            "error": n_outputs_of(T_u, n_columns),
-            "correction": n_columns,
-            "change": n_columns,
-        }
+        p, m = n_outputs_of(T_u, n_columns), n_columns
         expanded = (
             per_sample(getattr(criterion, name), n_samples, width, f"the weight of the {name}")
-            for name, width in sizes.items()
+            for name, width in (("error", p), ("correction", m), ("change", m))
         )
         problem = cls(T_u, np.asarray(criterion.error_filter), *expanded)
         _ = problem.parts  # refuses a criterion that does not determine the correction
         return problem
 
     @cached_property
-    def parts(self) -> list[tuple[list[int], Factor]]:
+    def parts(self) -> "list[tuple[list[int], Factored]]":
         """Inputs that are coupled, and the factored criterion of these; none without states."""
         T, R = self.T_u, self.Wu + self.Wd
-        if isinstance(T, System | SystemMatrix):
-            return self._coupled_parts(T if isinstance(T, SystemMatrix) else self._repeated(T))
-        if isinstance(T, StateSpace | TimeVarying):
-            from .riccati import factor  # imported here: compiled
-
-            found: Factor = factor(T.filtered_realisation(self.taps), self.We, R)
-        elif isinstance(T, LiftedModel):
-            found = LiftedFactor.build(T, self.taps, self.We, R)
-        elif (R > 0.0).all():
-            rng = np.random.default_rng(0)
-            u, e = rng.standard_normal(R.shape), rng.standard_normal(self.We.shape)
-            require_adjoint(u, e, T.simulate(u), T.adjoint(e))
+        if not isinstance(T, System | SystemMatrix | StateSpace | TimeVarying):
+            if not (R > 0.0).all():
+                raise ValueError(
+                    "a model without states needs weights of correction and change whose sum is > 0"
+                )
+            require_adjoint(T, len(R))
             return []
-        else:
-            raise ValueError(
-                "a model without states needs weights of correction and change whose sum is > 0"
-            )
-        return [(list(range(R.shape[1])), found)]
-
-    def _repeated(self, system: System) -> SystemMatrix:
-        return SystemMatrix.diagonal([system] * self.Wu.shape[1])
-
-    def _coupled_parts(self, T: SystemMatrix) -> list[tuple[list[int], Factor]]:
         from ..models.conversion import realise
-        from .riccati import factor
+        from .riccati import factor  # imported here: compiled
 
-        parts, known = [], dict[object, Factor]()
+        n = R.shape[1]
+        if isinstance(T, StateSpace | TimeVarying):
+            return [(list(range(n)), factor(T.filtered_realisation(self.taps), self.We, R))]
+        T = SystemMatrix.diagonal([T] * n) if isinstance(T, System) else T
+        parts, known = [], {}
         for columns in T.coupled_columns():
             one = T.submatrix(columns)
-            W, R = self.We[:, columns], (self.Wu + self.Wd)[:, columns]
-            key = (tuple(map(id, one.entries[0])), W.tobytes(), R.tobytes())
+            W, weights = self.We[:, columns], R[:, columns]
+            key = (tuple(map(id, one.entries[0])), W.tobytes(), weights.tobytes())
             if key not in known or len(columns) > 1:
-                known[key] = factor(realise(one, self.taps, len(W)), W, R)
+                known[key] = factor(realise(one, self.taps, len(W)), W, weights)
             parts.append((columns, known[key]))
         return parts
 
@@ -240,7 +189,7 @@ class QuadraticProblem:
     def solve(self, g: Array) -> Array:
         """d with H d = g. Raises RuntimeError where rounding keeps it from `ACCURACY`."""
         if self.parts:
-            d, error = solve_factored(self.hessian, self._preconditioned, g)
+            d, error = solve_factored(self.hessian, self._by_parts, g)
             remedy = "give the model fewer slow poles, or raise the weight of the change"
         else:
             d, error = solve_matrix_free(self.hessian, self.Wu + self.Wd, g)
@@ -252,7 +201,7 @@ class QuadraticProblem:
             )
         return d
 
-    def _preconditioned(self, r: Array) -> Array:
+    def _by_parts(self, r: Array) -> Array:
         z = np.empty_like(r)
         for columns, factored in self.parts:
             z[:, columns] = factored.solve(r[:, columns])

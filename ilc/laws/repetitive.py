@@ -15,7 +15,6 @@ import numpy as np
 from armside.arrays import Array
 
 from ..filters import ALL_PASS, RecordFilter
-from ..models.system_matrix import Model
 from ..records import as_whole, records
 from .first_order import FirstOrderLaw
 
@@ -71,34 +70,6 @@ class Repetitive(FirstOrderLaw):
         at = np.arange(n_samples) - self.begin
         fade = np.minimum(1.0, (np.arange(n_samples) + 1.0) / (self.begin + 1.0))
         return lap[at % self.period] * fade[:, None]
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PlugIn:
-    """Repetitive controller beside a servo, in real time: laps correct each other within a run."""
-
-    T_u: Model
-    """Response of the output to the correction; the controller does not need it."""
-    L: RecordFilter
-    Q: RecordFilter = ALL_PASS
-    period: int
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "period", int(as_whole(self.period, "period")))
-        if self.period < 2:
-            raise ValueError(f"period must be >= 2, got {self.period}")
-
-    @records("first_error")
-    def run(self, first_error: Array) -> Array:
-        """Errors (N, n) of all laps; first_error: those without the controller."""
-        n_samples, n = len(first_error), self.period
-        u, e = np.zeros_like(first_error), first_error.copy()
-        for begin in range(n, n_samples, n):
-            last, now = slice(begin - n, begin), slice(begin, min(begin + n, n_samples))
-            lap = around(self.Q, u[last] + around(self.L, e[last]))
-            u[now] = lap[: now.stop - now.start]
-            e = first_error - self.T_u.simulate(u)
-        return e
 
 
 @records("lap")

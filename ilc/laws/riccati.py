@@ -21,10 +21,11 @@ from ..models.blocks import Realisation
 _STEADY = 1e-14  # growth of P a sample, relative to P in the trace, that is rounding
 
 
-def constant_gains(
-    model: Realisation, W: Array, R: Array, n_samples: int
-) -> tuple[Array, Array, bool]:
-    """Gains (M, m, n), L (M, m, m) and that H is regular, for weights W (p,) and R (m,).
+@njit(cache=True, error_model="numpy", fastmath=SUMS)
+def _gains(
+    A: Array, first: NDArray[np.int64], B: Array, C: Array, D: Array, r: Array, n_samples: int
+) -> tuple[Array, Array, int]:  # pragma: no cover - compiled
+    """Gains (M, m, n), L (M, m, m), last sample first, and M; M is 0 if H is singular.
 
     For constant matrices and weights, without P: from one sample to the one before, P grows by
     Z^T Z with as many rows as the model has outputs. Updating Z instead of P costs O(n m p) a
@@ -36,21 +37,8 @@ def constant_gains(
 
     with G = (L^-1 (B^T P A + D^T W C))^T and L L^T = R + D^T W D + B^T P B. Morf, Sidhu and
     Kailath, "Some new algorithms for recursive estimation in constant, linear, discrete-time
-    systems" (1974).
-
-    The last sample comes first; M <= n_samples is the number of samples until they are steady.
+    systems" (1974). B is transposed, r the square root of R, C and D times that of W.
     """
-    B, size = np.ascontiguousarray(model.B[0].T), np.sqrt(W)[:, None]
-    C, D = size * model.C[0], size * model.D[0]
-    gain, L, used = _gains(model.A[0], model.first, B, C, D, np.sqrt(R), n_samples)
-    return gain[:used], L[:used], used > 0
-
-
-@njit(cache=True, error_model="numpy", fastmath=SUMS)
-def _gains(
-    A: Array, first: NDArray[np.int64], B: Array, C: Array, D: Array, r: Array, n_samples: int
-) -> tuple[Array, Array, int]:  # pragma: no cover - compiled
-    """The number of gains is 0 if H is singular. B is transposed, r the square root of R."""
     m, n = B.shape
     p = len(C)
     gain, factors = np.empty((n_samples, m, n)), np.empty((n_samples, m, m))
@@ -138,15 +126,15 @@ class Factored:
 
 
 def factor(model: Realisation, W: Array, R: Array) -> Factored:
-    """Factor H for the weights of outputs W (N, p) and inputs R (N, m).
-
-    Raises ValueError if H is singular: some correction has neither an effect nor a weight.
-    """
+    """Factor H for the weights of outputs W (N, p) and inputs R (N, m)."""
     W, R = np.ascontiguousarray(W), np.ascontiguousarray(R)
     A, *others = (read_only(M) for M in (model.A, model.B, model.C, model.D, W, R))
     fixed = all(len(M) == 1 for M in (model.A, model.B, model.C, model.D))
     if fixed and bool((W[0] == W).all() and (R[0] == R).all()):
-        gain, L, regular = constant_gains(model, W[0], R[0], len(W))
+        Bt, size = np.ascontiguousarray(model.B[0].T), np.sqrt(W[0])[:, None]
+        weighted = size * model.C[0], size * model.D[0]
+        gain, L, used = _gains(model.A[0], model.first, Bt, *weighted, np.sqrt(R[0]), len(W))
+        gain, L, regular = gain[:used], L[:used], used > 0
     else:
         gain, L, regular = _varying_gains(A, model.first, *others)
     if not regular:

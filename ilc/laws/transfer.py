@@ -1,26 +1,19 @@
-"""Corrections that are functions of the reference, with parameters that transfer to other
-references.
+"""Corrections that are functions of the reference, whose parameters serve other references.
 
 Basis functions, linear in their parameters:
 
     u = Psi(r) theta        theta_{k+1} = arg min ||e_k - T_u Psi (theta - theta_k)||^2
                                                   + rho ||theta - theta_k||^2
 
-Psi holds derivatives of the reference r (van der Meulen, Tousain and Bosgra, "Fixed structure
-feedforward controller design exploiting iterative trials", 2008; van de Wijdeven and Bosgra,
-"Using basis functions in iterative learning control", 2010) and hysteresis operators
-(`identification.friction.stops`), which friction needs. theta describes the plant, not the task.
+Psi holds derivatives of the reference r (van der Meulen, Tousain and Bosgra, 2008; van de Wijdeven
+and Bosgra, 2010) and hysteresis operators (`identification.friction.stops`), which friction needs.
 
-Rational basis functions:
+Rational basis functions, Bolder and Oomen (2015), in psi_i = ((1 - q^-1) / T)^i:
 
-    u = A(q) / B(q) r
-    A = sum_i a_i psi_i      B = 1 + sum_i b_i psi_i      psi_i = ((1 - q^-1) / T)^i
+    u = A(q) / B(q) r        A = sum_i a_i psi_i        B = 1 + sum_i b_i psi_i
 
-Bolder and Oomen, "Rational basis functions in iterative learning control - with experimental
-verification on a motion system" (2015). Zeros of B make an exact inverse of a plant with zeros,
-for which polynomials alone need many terms. The criterion ||e_k - T_u (u - u_k)|| is not convex
-in b; it is minimised by least squares weighted with the last B (Sanathanan and Koerner), the best
-one kept.
+Zeros of B make an exact inverse of a plant with zeros. ||e_k - T_u (u - u_k)|| is not convex in b;
+it is minimised by least squares weighted with the last B (Sanathanan and Koerner), the best kept.
 """
 
 from collections.abc import Callable, Sequence
@@ -112,21 +105,18 @@ class BasisFunctions(FirstOrderLaw):
         if not (np.isfinite(self.ridge) and self.ridge > 0.0):
             raise ValueError(f"ridge must be > 0, got {self.ridge}")
         check_inputs(self.T_u, basis.shape[1])
-        object.__setattr__(self, "basis", basis)
-        object.__setattr__(self, "_response", self._responses())
-
-    _response: Array = field(init=False, repr=False)
-
-    def _responses(self) -> Array:
-        """(N q, n p): the q outputs for each parameter, one at a time."""
-        n_samples, n, p = self.basis.shape
+        n_samples, n, p = basis.shape
         found = np.empty((n_samples * n_outputs_of(self.T_u, n), n, p))
         for j in range(n):
             for i in range(p):
                 alone = np.zeros((n_samples, n))
-                alone[:, j] = self.basis[:, j, i]
+                alone[:, j] = basis[:, j, i]
                 found[:, j, i] = self.T_u.simulate(alone).ravel()
-        return found.reshape(len(found), n * p)
+        object.__setattr__(self, "basis", basis)
+        object.__setattr__(self, "_response", found.reshape(len(found), n * p))
+
+    _response: Array = field(init=False, repr=False)
+    """(N q, n p), the q outputs for each parameter."""
 
     def check(self, n_samples: int, n_columns: int) -> None:
         if (n_samples, n_columns) != self.basis.shape[:2]:
@@ -148,8 +138,6 @@ class BasisFunctions(FirstOrderLaw):
 
 
 _ROUNDS = 15
-
-
 Response = Callable[[ArrayLike], Complex]
 
 
@@ -165,12 +153,16 @@ class Rational:
 
     def denominator(self, omega: ArrayLike) -> Complex:
         """B at omega [rad/sample]."""
-        return 1.0 + _polynomial(self.b, omega, self.sample_time)
+        return 1.0 + self._sum(self.b, omega)
 
     def response(self, omega: ArrayLike) -> Complex:
         """A / B at omega [rad/sample]."""
-        A = _polynomial(self.a, omega, self.sample_time)
-        return np.asarray(A / self.denominator(omega), dtype=np.complex128)
+        return np.asarray(self._sum(self.a, omega) / self.denominator(omega), dtype=np.complex128)
+
+    def _sum(self, coefficients: Array, omega: ArrayLike) -> Complex:
+        """Sum of c_i psi_i, i from 1."""
+        psi = _difference(omega, self.sample_time)
+        return np.asarray(psi * np.polyval(coefficients[::-1], psi), dtype=np.complex128)
 
     @records("reference")
     def correction(self, reference: Array) -> Array:
@@ -245,12 +237,6 @@ class RationalBasis(FirstOrderLaw):
 def _difference(omega: ArrayLike, sample_time: float) -> Complex:
     """psi_1."""
     return np.asarray((1.0 - 1.0 / unit_circle(omega)) / sample_time, dtype=np.complex128)
-
-
-def _polynomial(coefficients: Array, omega: ArrayLike, sample_time: float) -> Complex:
-    """Sum of c_i psi_i, i from 1."""
-    psi = _difference(omega, sample_time)
-    return np.asarray(psi * np.polyval(coefficients[::-1], psi), dtype=np.complex128)
 
 
 def _through(response: Response, signal: Array) -> Array:

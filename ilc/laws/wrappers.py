@@ -1,6 +1,4 @@
-"""Laws around another law: by iteration, around a correction, with backtracking, by segment, on a
-simulated plant, for errors of the tool.
-"""
+"""Laws around another law."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -129,13 +127,11 @@ class SegmentMemory(NamedTuple):
     inner: Any
     """Memory of the law."""
     best: Array
-    """(N, n), correction of each segment's best iteration."""
+    """(N, n), correction of each segment's best iteration; size (M,) of its error."""
     size: Array
-    """(M,) size of the error of that iteration."""
     stalls: NDArray[np.int64]
-    """(M,) updates running that brought little."""
+    """(M,) updates running that brought little; held (M,): it keeps its best correction."""
     held: NDArray[np.bool_]
-    """(M,) bool: the segment has converged and keeps its best correction."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -170,16 +166,12 @@ class BySegment:
             raise ValueError(f"weight must have {n_samples} rows, got {len(self.weight)}")
         self.law.check(n_samples, n_columns)
 
-    def _sizes(self, error: Array) -> Array:
-        """(M,) size of an error (N, p) in each segment."""
-        own = (self.size_of(error[first:last]) for first, last in self.judged)
-        return np.array([float(np.linalg.norm(size)) for size in own])
-
     @records("correction", "error", alike=False)
     def step(
         self, correction: Array, error: Array, memory: SegmentMemory | None = None, /
     ) -> tuple[Array, SegmentMemory]:
-        seen = self._seen(correction, self._sizes(error), memory)
+        sizes = [np.linalg.norm(self.size_of(error[first:last])) for first, last in self.judged]
+        seen = self._seen(correction, np.array(sizes, dtype=np.float64), memory)
         wanted, inner = self.law.step(correction, error, seen.inner)
         kept = (self.weight @ seen.held.astype(np.float64))[:, np.newaxis]
         return wanted + kept * (seen.best - wanted), seen._replace(inner=inner)

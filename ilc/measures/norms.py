@@ -74,9 +74,6 @@ def fit_circle(points: Array, normal: ArrayLike | None = None) -> Circle:
 
     The plane is the best-fit plane, or the one with the given normal. The points should cover
     one full revolution evenly: otherwise the centre moves to where they are dense.
-
-    Raises:
-        ValueError: fewer than three points, points that are not finite or lie on one line.
     """
     points = as_real(points, "points")
     if points.ndim != 2 or points.shape[1] != 3 or len(points) < 3:

@@ -45,10 +45,6 @@ class Realisation:
         first = np.cumsum([0, *(len(block) for block in blocks)]).astype(np.int64)
         return cls(A, first, *(np.ascontiguousarray(M[None]) for M in (B, C, D)))
 
-    @property
-    def n_states(self) -> int:
-        return int(self.first[-1])
-
     def simulate(self, signal: Array) -> Array:
         """y (N, p) for u (N, m)."""
         from .block_recursion import states  # imported here: compiled
@@ -80,8 +76,6 @@ def filtered(
 ) -> tuple[Array, Array, Array, Array]:
     """(A, B, C, D) of F T, F the finite impulse response `taps`: states of past outputs added."""
     lags, (p, m), n = len(taps) - 1, D.shape[-2:], A.shape[-1]
-    if lags == 0:
-        return A, B, taps[0] * C, taps[0] * D
     lead = A.shape[:-2]
     grown = n + p * lags
     A_f, B_f = np.zeros((*lead, grown, grown)), np.zeros((*lead, grown, m))

@@ -49,13 +49,10 @@ def as_state_space(model: Any, sample_time: float | None = None) -> StateSpace:
     return StateSpace(*known, dt)
 
 
-def as_transfer_function(model: Any) -> System:
-    """System from a discrete model of scipy.signal or control, or a `StateSpace`.
-
-    Raises ValueError for something else, a model in continuous time, with several inputs or
-    outputs, not causal, or whose polynomials would not hold its response to 1e-7: coefficients lose
-    a digit or two for each slow pole.
-    """
+def as_system(model: Any) -> System:
+    """System from a `System`, a `StateSpace`, or a discrete model of scipy.signal or control."""
+    if isinstance(model, System):
+        return model
     if _sampling(model, "dt" if hasattr(model, "dt") else "sample_time") == 0.0:
         raise ValueError(f"model must be discrete with a sample time in s, got dt = {model.dt}")
     known = as_state_space(model)
@@ -67,20 +64,6 @@ def as_transfer_function(model: Any) -> System:
     ratio = model if hasattr(model, "num") else model.to_tf()
     num, den = ((p[0][0] if _is_of_control(model) else p) for p in (ratio.num, ratio.den))
     return System.from_z(num, den, known.sample_time)
-
-
-def as_system(model: Any, sample_time: float | None = None) -> System:
-    """System from a `System`, a pair (num, den) in z, or what `as_transfer_function` takes.
-
-    Raises ValueError for a model in continuous time, with several inputs, or not causal.
-    """
-    if isinstance(model, System):
-        return model
-    if isinstance(model, tuple):
-        if sample_time is None or len(model) != 2:
-            raise ValueError("a model as a tuple must be (num, den), with its sample_time")
-        return System.from_z(model[0], model[1], sample_time)
-    return as_transfer_function(model)
 
 
 def simplest(model: StateSpace) -> System | StateSpace:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..records import as_real
-from .conversion import as_state_space, as_transfer_function, simplest
+from .conversion import as_state_space, as_system, simplest
 from .state_space import StateSpace
 from .system import System
 from .system_matrix import Model
@@ -44,10 +44,8 @@ def read_model(file: Path) -> Model:
 def read_system(file: Path) -> System:
     """As `read_model`, for a model with one input and one output."""
     model = read_model(file)
-    if isinstance(model, System):
-        return model
     try:
-        return as_transfer_function(model)
+        return as_system(model)
     except ValueError as error:
         raise ValueError(f"{file}: {error}") from error
 
@@ -63,15 +61,11 @@ def write_model(file: Path, model: Model) -> None:
         content = {"b": model.b.tolist(), "a": model.a.tolist()}
     else:
         model = as_state_space(model)
-        content = _matrices_to_write(model)
+        _check_size(len(model.A))
+        matrices = {"A": model.A, "B": model.B, "C": model.C, "D": model.feedthrough}
+        content = {name: M.tolist() for name, M in matrices.items()}
     content = {"sample_time": model.sample_time} | content
     file.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
-
-
-def _matrices_to_write(model: StateSpace) -> dict[str, Any]:
-    _check_size(len(model.A))
-    matrices = {"A": model.A, "B": model.B, "C": model.C, "D": model.feedthrough}
-    return {name: M.tolist() for name, M in matrices.items()}
 
 
 def _json(file: Path) -> dict[str, Any]:

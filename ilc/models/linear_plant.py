@@ -1,17 +1,16 @@
-"""Linear plant of thesis chapter 7, and plants that alternate over the iterations (7.6)."""
+"""Linear plant of thesis chapter 7."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import count, cycle
-from typing import Generic, NamedTuple, TypeVar
+from itertools import count
+from typing import NamedTuple
 
 import numpy as np
 
 from armside.arrays import Array, check_numbers
 
-from ..plant import Plant
 from ..records import as_record, records
-from .system import System, require_stable
+from .system import System
 from .system_matrix import AnyModel, check_model
 
 
@@ -94,28 +93,3 @@ class LinearPlant:
 
 def _through(system: AnyModel | None, signal: Array) -> Array:
     return signal if system is None else system.simulate(signal)
-
-
-def with_direct_term(T_u: System, C: System) -> System:
-    """T_u / (1 + T_u C): the effective T_u with a direct term C. Thesis (7.4)."""
-    closed = System(np.convolve(T_u.b, C.a), (T_u * C).characteristic, T_u.sample_time)
-    return require_stable(closed, "the loop of T_u and the direct term C")
-
-
-Result = TypeVar("Result")
-
-
-class Alternating(Generic[Result]):
-    """Cycle of plants: the first runs at k = 0, the second at k = 1, ..., then the first again.
-
-    For example a robot with payload on the way out and without on the way back (thesis 7.6).
-    """
-
-    def __init__(self, plants: Sequence[Plant[Result]]) -> None:
-        if not plants:
-            raise ValueError("plants must hold at least one plant")
-        self._plants = cycle(plants)
-
-    @records("correction")
-    def run(self, correction: Array, /) -> Result:
-        return next(self._plants).run(correction)

@@ -6,7 +6,7 @@ models: `zoh` and `tustin`; from other packages: `conversion.as_system`.
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Protocol, TypeVar, Union
+from typing import Any, TypeVar, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,8 +23,9 @@ def is_stable(a: Array) -> bool:
     They are if and only if the matrix of Schur and Cohn is positive definite. Its leading minors
     are computed in whole numbers (Bareiss), for close, slow poles differ by less than rounding.
     """
-    c = _whole(np.trim_zeros(a, "b"))
-    n = len(c) - 1
+    exact = [Fraction(float(p)) for p in np.trim_zeros(a, "b")]
+    scale = max(p.denominator for p in exact)  # a power of two
+    c, n = [int(p * scale) for p in exact], len(exact) - 1
     M = [
         [
             sum(c[i - k] * c[j - k] - c[n - i + k] * c[n - j + k] for k in range(min(i, j) + 1))
@@ -42,13 +43,6 @@ def is_stable(a: Array) -> bool:
                 M[i][j] = (M[i][j] * pivot - M[i][k] * M[k][j]) // before
         before = pivot
     return True
-
-
-def _whole(a: Array) -> list[int]:
-    """Coefficients times the power of two that makes all of them whole numbers."""
-    exact = [Fraction(float(p)) for p in a]
-    scale = max(p.denominator for p in exact)
-    return [int(p * scale) for p in exact]
 
 
 Complex = NDArray[np.complex128]
@@ -174,26 +168,18 @@ class System:
         return require_stable(System(self.b, a, self.sample_time), name)
 
 
-class HasPoles(Protocol):
-    """Model with poles."""
-
-    @property
-    def poles(self) -> Complex: ...
-    @property
-    def is_stable(self) -> bool: ...
-
-
-Stable = TypeVar("Stable", bound=HasPoles)
+Stable = TypeVar("Stable")
 
 
 def require_stable(system: Stable, name: str) -> Stable:
     """Return a stable system; raise ValueError with its name and largest pole otherwise, or for a
     model without poles, which lives on a record alone."""
-    if not hasattr(system, "is_stable"):
-        kind = type(system).__name__
+    model: Any = system
+    if not hasattr(model, "is_stable"):
+        kind = type(model).__name__
         raise ValueError(f"{name} must be time-invariant, with a frequency response, got {kind}")
-    if not system.is_stable:
-        largest = np.abs(system.poles).max()
+    if not model.is_stable:
+        largest = np.abs(model.poles).max()
         raise ValueError(f"{name} is unstable: its largest pole has modulus {largest:.6g}, not < 1")
     return system
 

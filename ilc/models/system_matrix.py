@@ -10,10 +10,9 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..records import records
-from .lifted import ImpulseResponse, RecordModel, is_record_model
 from .peak import peak
-from .products import Products, largest_singular_value
-from .state_space import StateSpace
+from .products import largest_singular_value
+from .state_space import RecordModel, StateSpace, is_record_model
 from .system import Complex, System, require_stable
 
 
@@ -116,9 +115,8 @@ class SystemMatrix:
         return SystemMatrix(tuple(zip(*self.entries, strict=True)))
 
 
-Model = System | SystemMatrix | StateSpace | ImpulseResponse
-"""Time-invariant T_u: one system, used for each column, a matrix of systems, a state space, or a
-measured response."""
+Model = System | SystemMatrix | StateSpace
+"""Time-invariant T_u: one system, used for each column, a matrix of systems or a state space."""
 AnyModel = Model | RecordModel
 """T_u of a finite record."""
 
@@ -144,7 +142,7 @@ def check_model(T_u: AnyModel) -> None:
 def require_time_invariant(T_u: AnyModel, what: str) -> Model:
     """The model, if it is time-invariant. Raises ValueError with `what` needs it otherwise."""
     if not isinstance(T_u, Model):
-        kinds = "a System, a SystemMatrix, a StateSpace or an ImpulseResponse"
+        kinds = "a System, a SystemMatrix or a StateSpace"
         raise ValueError(f"{what} needs {kinds} as T_u, got {type(T_u).__name__}")
     return T_u
 
@@ -160,9 +158,16 @@ def largest_gain(model: AnyModel) -> float:
     Of a model that covers n_samples of a record: the 2-norm of that map.
     """
     if not isinstance(model, Model):
-        return lifted_norm(model, getattr(model, "n_samples", 0))
-    largest = peak(lambda omega: gain_squared(model.response(omega)), model.all_poles)
-    return float(np.sqrt(largest.bound))
+        if (n_samples := getattr(model, "n_samples", 0)) < 1:
+            raise ValueError("the largest gain needs a model that states its n_samples")
+        return largest_singular_value(model, n_samples)
+
+    def power(omega: Array) -> Array:
+        T = model.response(omega)
+        size = np.abs(T) if T.ndim == 1 else np.linalg.norm(T, ord=2, axis=(1, 2))
+        return np.square(size)
+
+    return float(np.sqrt(peak(power, model.all_poles).bound))
 
 
 def require_effect(model: AnyModel) -> float:
@@ -179,21 +184,3 @@ def single_response(T_u: Model, omega: ArrayLike) -> Complex:
         raise ValueError(f"T_u must have one input and one output, got {given}")
     response = T_u.response(omega)
     return response if response.ndim == 1 else response[:, 0, 0]
-
-
-def lifted_norm(model: RecordModel, n_samples: int) -> float:
-    """2-norm of y = T u over records of n_samples, by Lanczos iterations to 1e-10."""
-    if n_samples < 1:
-        raise ValueError("the largest gain needs a model that states its n_samples")
-    return largest_singular_value(
-        Products(
-            (n_samples, model.n_inputs), (n_samples, model.n_outputs), model.simulate, model.adjoint
-        )
-    )
-
-
-def gain_squared(response: Complex) -> Array:
-    """|T|^2 of responses (M,), or the largest singular value squared of (M, p, n)."""
-    if response.ndim == 1:
-        return np.square(np.abs(response))
-    return np.square(np.linalg.norm(response, ord=2, axis=(1, 2)))

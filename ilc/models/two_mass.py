@@ -17,13 +17,6 @@ from ..records import as_number, as_record, records
 from .system import System, require_stable, state_space_to_system, tustin, zero_order_hold, zoh
 
 
-class Hold(Enum):
-    """Discretisation of the continuous controller."""
-
-    TUSTIN = "tustin"
-    ZOH = "zoh"
-
-
 class ArmReading(Enum):
     """Computation of the arm angle in a discrete simulation."""
 
@@ -79,25 +72,14 @@ class TwoMassJoint:
         """(num, den) of G_a(s), q_m to q_a, descending powers of s. Thesis (8.7)."""
         return self.rg * np.array([self.d, self.k]), np.array([self.Ja, self.d, self.k])
 
-    def motor(self, sample_time: float) -> System:
-        """G_m(q), voltage to q_m."""
+    def motor(self, sample_time: float, state: int = 2) -> System:
+        """G_m(q), voltage to q_m; to q_a through the whole state for `state` 0."""
         A, B = zero_order_hold(*self.state_space, sample_time)
-        return state_space_to_system(A, B, np.array([[0.0, 0.0, 1.0, 0.0]]), sample_time)
+        return state_space_to_system(A, B, np.eye(4)[[state]], sample_time)
 
     def arm(self, sample_time: float) -> System:
         """G_a(q), q_m to q_a, q_m held over each sample."""
         return zoh(*self.arm_transfer, sample_time)
-
-    def arm_from_voltage(self, sample_time: float) -> System:
-        """Voltage to q_a through the whole state; compare `ArmReading`."""
-        A, B = zero_order_hold(*self.state_space, sample_time)
-        return state_space_to_system(A, B, np.array([[1.0, 0.0, 0.0, 0.0]]), sample_time)
-
-    def arm_to_motor_reference(self, sample_time: float) -> System:
-        """F_r(q) = q^-1 / G_a(q). Thesis (8.9); the delay makes it proper."""
-        G_a = self.arm(sample_time)
-        inverse = System(G_a.a, G_a.b[1:], sample_time)  # G_a has one sample of delay, as q^-1
-        return require_stable(inverse, "the motor reference filter F_r")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,12 +89,10 @@ class PdController:
     Kp: float = 6.0
     Kd: float = 0.274
     Tf: float = 0.075
-    hold: Hold = Hold.TUSTIN
 
     def discrete(self, sample_time: float) -> System:
-        """F(q). The thesis does not state the method; both lead to the same conclusions."""
-        num, den = [self.Kd + self.Kp * self.Tf, self.Kp], [self.Tf, 1.0]
-        return (tustin if self.hold is Hold.TUSTIN else zoh)(num, den, sample_time)
+        """F(q), by Tustin. The thesis does not state the method."""
+        return tustin([self.Kd + self.Kp * self.Tf, self.Kp], [self.Tf, 1.0], sample_time)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,14 +125,16 @@ class TwoMassLoop:
         if self.arm_reading is ArmReading.THESIS:
             return self.joint.arm(self.sample_time) * self.T_motor
         # Both outputs of the joint have the same denominator a: the loop's is a a_F + b_m b_F.
-        forward = self.joint.arm_from_voltage(self.sample_time) * self.F
+        forward = self.joint.motor(self.sample_time, state=0) * self.F
         return System(forward.b, self.T_motor.a, self.sample_time)
 
     @property
     def F_r(self) -> System:
-        """Arm reference to motor reference. Thesis (8.8), (8.9)."""
-        model = self.reference_model or self.joint
-        return model.arm_to_motor_reference(self.sample_time)
+        """Arm reference to motor reference, q^-1 / G_a(q). Thesis (8.8), (8.9)."""
+        G_a = (self.reference_model or self.joint).arm(self.sample_time)
+        # G_a has one sample of delay, as q^-1, which makes the inverse proper
+        inverse = System(G_a.a, G_a.b[1:], self.sample_time)
+        return require_stable(inverse, "the motor reference filter F_r")
 
     def with_stiffness_error(self, factor: float = 2.0) -> "TwoMassLoop":
         """Loop whose F_r assumes `factor` times the actual stiffness. Fig 8.11."""
@@ -166,9 +148,6 @@ def step_reference(
 
     The move lasts 2 * box samples, constant acceleration and then deceleration. The thesis states
     neither start nor length: these are Simulink's default step time and a length that fits Fig 8.4.
-
-    Raises:
-        ValueError: if the move does not end within the record.
     """
     first = round(start / sample_time)
     last = first + 2 * box

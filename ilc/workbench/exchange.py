@@ -4,17 +4,31 @@ The folder itself is the state. A person runs the task with u_k and puts the log
 corrections are computed again from the logs, so an experiment may be interrupted at any point.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from armside.arrays import Array
 
-from ..by_hand import ByHand
 from ..laws.first_order import Law
 from ..records import records
 from .signals import read_signal, write_signal
+
+
+@dataclass(frozen=True, eq=False)
+class ByHand:
+    """Runs of an experiment so far."""
+
+    corrections: list[Array]
+    """u_0 .. u_k, (N, n) each; the last is the one to run next."""
+    errors: list[Array]
+    """e_0 .. e_{k-1}."""
+
+    @property
+    def k(self) -> int:
+        """The iteration to run next."""
+        return len(self.errors)
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,22 +50,16 @@ class Folder:
         """Read all logs that are there, k = 0 .. `iterations`, and write the next correction.
 
         The state's `k` is the run that is waited for; `iterations` + 1 when all are done.
-
-        Raises ValueError for a log that cannot be used, or corrections of another law.
         """
-        state = ByHand(law=law, reference=reference)
-        memory, correction = None, state.correction
-        outputs: list[Array] = []
-        corrections = [correction]
+        done, memory = ByHand([np.zeros_like(reference)], []), None
         for k in range(iterations + 1):
-            self._offer(k, corrections[k])
+            self._offer(k, done.corrections[k])
             if not self.output(k).exists():
                 break
-            outputs.append(self._log(k, reference))
-            error = reference - outputs[k]
-            correction, memory = law.step(corrections[k], error, memory)
-            corrections.append(correction)
-        return replace(state, outputs=tuple(outputs), corrections=tuple(corrections))
+            done.errors.append(reference - self._log(k, reference))
+            correction, memory = law.step(done.corrections[k], done.errors[k], memory)
+            done.corrections.append(correction)
+        return done
 
     def _offer(self, k: int, correction: Array) -> None:
         """Write u_k, or see that the one there is this one."""

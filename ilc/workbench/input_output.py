@@ -52,10 +52,7 @@ class InputOutput:
         return replace(self, u=u, y=y)
 
     def with_period(self, period: int) -> "InputOutput":
-        """The same record, its input known to repeat; lines are those that hold power.
-
-        Raises ValueError for several inputs, or fewer than three periods.
-        """
+        """The same record, its input known to repeat; lines are those that hold power."""
         if self.u.shape[1] > 1:
             raise ValueError(f"a period is for one input, the record has {self.u.shape[1]}")
         if (n := len(self.u) // period) < 3:

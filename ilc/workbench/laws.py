@@ -55,9 +55,8 @@ def point_to_point(s: Setting, *, times: tuple[float, ...]) -> Law:
 
 def repetitive(s: Setting, *, period: int, begin: int = 0, cutoff: float | None = None) -> Law:
     """Laps of `period` samples from sample `begin` on: one periodic correction for all."""
-    Q = s.Q(cutoff)
-    L = ModelInverse(T_u=s.T_u("repetitive"), learned=Q, regularisation=1e-6)
-    return Repetitive(L=L, Q=Q, period=period, begin=begin)
+    L = _inverse(s, "repetitive", cutoff)
+    return Repetitive(L=L, Q=s.Q(cutoff), period=period, begin=begin)
 
 
 _TENTH = 0.1  # of the sample rate: beyond it no servo is driven
@@ -86,20 +85,14 @@ def inverse(
     s: Setting, *, rate: float = 1.0, regularisation: float = 1e-6, cutoff: float | None = None
 ) -> Law:
     """Algorithm 2: inverse of the model up to the cutoff."""
-    Q, T_u = s.Q(cutoff), s.T_u("inverse")
-    L = ModelInverse(T_u=T_u, learned=Q, rate=rate, regularisation=regularisation)
-    return FirstOrder(L=L, Q=Q)
+    return FirstOrder(L=_inverse(s, "inverse", cutoff, rate, regularisation), Q=s.Q(cutoff))
 
 
 def norm_optimal(s: Setting, *, correction: float = 1e-6, change: float = 1e-4) -> Law:
     """Algorithm 3: weights of correction and change relative to that of the error."""
     weights = QuadraticCriterion(correction=correction, change=change)
-    return NormOptimal(
-        T_u=s.T_u("norm-optimal"),
-        n_samples=s.n_samples,
-        n_columns=s.n_columns,
-        criterion=weights,
-    )
+    T_u = s.T_u("norm-optimal")
+    return NormOptimal(T_u=T_u, n_samples=s.n_samples, n_columns=s.n_columns, criterion=weights)
 
 
 def constrained(s: Setting, *, limit: float, correction: float = 1e-6, change: float = 1e-4) -> Law:
@@ -145,16 +138,14 @@ def high_order(
 
 def periodic(s: Setting, *, period: int = 2, pole: float = 0.1, cutoff: float | None = None) -> Law:
     """Internal model of a disturbance that repeats every `period` iterations."""
-    Q = s.Q(cutoff)
-    L = ModelInverse(T_u=s.T_u("periodic"), learned=Q, regularisation=1e-6)
-    return internal_model(periodic_pattern(period), L=L, Q=Q, pole=pole)
+    L = _inverse(s, "periodic", cutoff)
+    return internal_model(periodic_pattern(period), L=L, Q=s.Q(cutoff), pole=pole)
 
 
 def disturbance_observer(s: Setting, *, order: int = 2, cutoff: float | None = None) -> Law:
     """Disturbance predicted by an autoregressive model over the iterations."""
-    Q, T_u = s.Q(cutoff), s.T_u("disturbance-observer")
-    L = ModelInverse(T_u=T_u, learned=Q, regularisation=1e-6)
-    return DisturbanceObserver(L=L, Q=Q, T_u=T_u, order=order)
+    L = _inverse(s, "disturbance-observer", cutoff)
+    return DisturbanceObserver(L=L, Q=s.Q(cutoff), T_u=L.T_u, order=order)
 
 
 def model_free(
@@ -178,8 +169,7 @@ def knob_free(s: Setting) -> Law:
 
 def kalman(s: Setting, *, noise: float, change: float = 0.0, cutoff: float | None = None) -> Law:
     """Noise-optimal gain of each frequency; standard deviations of noise, and of what changes."""
-    L = ModelInverse(T_u=s.T_u("kalman"), learned=s.Q(cutoff), regularisation=1e-6)
-    return FrequencyKalman(L=L, noise=noise, change=change)
+    return FrequencyKalman(L=_inverse(s, "kalman", cutoff), noise=noise, change=change)
 
 
 def h_infinity(
@@ -191,6 +181,14 @@ def h_infinity(
     return FirstOrder(L=matched(T_u, Q, n_taps=taps, uncertainty=uncertainty), Q=Q)
 
 
+def _inverse(
+    s: Setting, law: str, cutoff: float | None, rate: float = 1.0, regularisation: float = 1e-6
+) -> ModelInverse:
+    return ModelInverse(
+        T_u=s.T_u(law), learned=s.Q(cutoff), rate=rate, regularisation=regularisation
+    )
+
+
 def _gain(s: Setting, gamma: float | None, delta: int | None) -> PType:
     if gamma is None or delta is None:
         proposed = s.proposed
@@ -200,25 +198,12 @@ def _gain(s: Setting, gamma: float | None, delta: int | None) -> PType:
 
 
 LAWS: dict[str, Callable[..., Law]] = {
-    "heuristic": heuristic,
-    "d-type": d_type,
-    "gradient": gradient,
-    "inverse": inverse,
-    "norm-optimal": norm_optimal,
-    "constrained": constrained,
-    "adaptive": adaptive,
-    "high-order": high_order,
-    "periodic": periodic,
-    "disturbance-observer": disturbance_observer,
-    "model-free": model_free,
-    "splines": splines,
-    "knob-free": knob_free,
-    "basis": basis,
-    "rational": rational,
-    "point-to-point": point_to_point,
-    "kalman": kalman,
-    "repetitive": repetitive,
-    "h-infinity": h_infinity,
+    build.__name__.replace("_", "-"): build
+    for build in (
+        *(heuristic, d_type, gradient, inverse, norm_optimal, constrained, adaptive, high_order),
+        *(periodic, disturbance_observer, model_free, splines, knob_free, basis, rational),
+        *(point_to_point, kalman, repetitive, h_infinity),
+    )
 }
 """By name; keyword-only parameters are those of the command line."""
 MEASURING = ("model-free", "splines")

@@ -100,10 +100,7 @@ def _said(error: BaseException) -> str:
 
 
 def load(file: Path, name: str) -> Any:
-    """Run a Python file and return what it calls `name`; every call runs it anew.
-
-    Raises ValueError for a file or name that is not there, OwnCodeError for what the file raises.
-    """
+    """Run a Python file and return what it calls `name`; every call runs it anew."""
     if not file.is_file():
         raise ValueError(f"{file} is no Python file")
     if file.stat().st_size > LARGEST_FILE:

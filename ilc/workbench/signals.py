@@ -118,8 +118,6 @@ def named_reference(name: str, n_samples: int, n_columns: int, sample_time: floa
     step: a unit step through two moving averages, as in thesis Fig 8.4, from an eighth of the
     record on. ramp: from 0 to 1 over the middle half. A file with a column time is brought to the
     sample time, over its own duration.
-
-    Raises ValueError for a name or file that cannot be used.
     """
     if name not in SHAPES:
         return file_reference(Path(name), n_columns, sample_time)

@@ -69,22 +69,6 @@ class Setting:
         return found.gamma, found.delta
 
 
-def _nothing(result: Any) -> Mapping[str, float]:
-    return {}
-
-
-def _no_generators(plant: Any) -> Sequence[np.random.Generator]:
-    return ()
-
-
-def _nothing_to_close() -> None:
-    pass
-
-
-def _anything(correction: Array) -> None:
-    pass
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Task:
     """Plant of a comparison. `start` makes it anew for each law, in the same initial state."""
@@ -98,9 +82,9 @@ class Task:
     """The plant of a repetition: the same parameters, other noise. Has `run(correction)`."""
     output_of: Callable[[Any], Any] = np.asarray
     """y, shape (N, n), from what the plant returns."""
-    measures_of: Callable[[Any], Mapping[str, float]] = _nothing
+    measures_of: Callable[[Any], Mapping[str, float]] = lambda result: {}
     """More measures of a run by name, such as the error of the arm."""
-    generators_of: Callable[[Any], Sequence[np.random.Generator]] = _no_generators
+    generators_of: Callable[[Any], Sequence[np.random.Generator]] = lambda plant: ()
     """Sources of noise in a plant, whose state an interrupted experiment needs."""
     model: Model | None = None
     """Assumed T_u; None: unknown."""
@@ -113,9 +97,9 @@ class Task:
     design: tuple[float, int] | None = None
     """Default gamma and delta; None: proposed for the model."""
 
-    check: Callable[[Array], None] = _anything
+    check: Callable[[Array], None] = lambda correction: None
     """Raises ValueError for a correction (N, n) that the plant would not take."""
-    close: Callable[[], None] = _nothing_to_close
+    close: Callable[[], None] = lambda: None
     """Gives back what the plant holds, such as a connection."""
 
     def __post_init__(self) -> None:
@@ -135,8 +119,6 @@ def along_path(correction: Array, place: Array, wanted: Array) -> Array:
     Linear in between; before and beyond the path that was learned it keeps its end values. This
     takes the correction for a function of the place alone, so delays of the servo are not scaled.
     place: [m], not decreasing.
-
-    Raises ValueError for places that are no such numbers.
     """
     place, wanted = as_real(place, "place"), as_real(wanted, "wanted")
     if place.shape != (len(correction),) or not (np.diff(place) >= 0.0).all():

@@ -9,13 +9,14 @@ import numpy as np
 from armside.arrays import Array
 from armside.ilc.analysis import hertz
 from armside.ilc.identification.arx import Information
+from armside.ilc.identification.first_order_lag import fit_of
 from armside.ilc.identification.frequency_response import (
     FrequencyResponse,
     PeriodicRecord,
     frequency_response,
 )
 from armside.ilc.identification.polynomial_fit import PolynomialFit
-from armside.ilc.identification.structures import Candidate, simulation_accuracy
+from armside.ilc.identification.structures import Candidate
 from armside.ilc.identification.subspace import SubspaceFit, bootstrap_response_deviation
 from armside.ilc.workbench.input_output import InputOutput
 
@@ -73,7 +74,7 @@ def _row(one: Candidate, made: InputOutput, fresh: InputOutput | None) -> dict[s
         "fit": one.accuracy,
         "white_p": None if tested is None else float(tested.p_value.min()),
         "input_p": one.fit.independence,
-        "validation": None if fresh is None else simulation_accuracy(one.system, fresh.u, fresh.y),
+        "validation": None if fresh is None else fit_of(one.system, fresh.u, fresh.y),
         "warnings": list(one.warnings),
     }
 

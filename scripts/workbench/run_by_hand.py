@@ -6,13 +6,12 @@ from pathlib import Path
 import numpy as np
 
 from armside.arrays import Array
-from armside.ilc.by_hand import ByHand
 from armside.ilc.divergence import has_diverged
 from armside.ilc.laws.first_order import Law
 from armside.ilc.measures.norms import two_norm
 from armside.ilc.models.file import read_model
 from armside.ilc.workbench.compare import LawRun
-from armside.ilc.workbench.exchange import Folder
+from armside.ilc.workbench.exchange import ByHand, Folder
 from armside.ilc.workbench.laws import MEASURING, build_law
 from armside.ilc.workbench.signals import file_reference, read_signal
 from armside.ilc.workbench.task import Setting

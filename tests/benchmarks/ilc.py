@@ -9,7 +9,7 @@ import numpy as np
 from scipy import signal
 
 from armside.ilc import Heuristic, ZeroPhaseButterworth, two_mass_study
-from armside.ilc.analysis import RecordIteration, largest_gamma
+from armside.ilc.analysis import largest_gamma
 from armside.ilc.filters import butterworth
 from armside.ilc.laws.norm_optimal import NormOptimal
 from armside.ilc.laws.quadratic import QuadraticCriterion
@@ -31,7 +31,7 @@ def measured() -> Sequence[Row]:
     coupled = [row for m, n in COUPLED for row in _coupled(m, n)]
     stored = [row for n in (6, 12) for row in _state_space(n)]
     rows = [*_search(), *_five_hundred(), *_norm_optimal(), *coupled, *stored]
-    return [*rows, *_record(), *_updates()]
+    return [*rows, *_updates()]
 
 
 def _search() -> list[Row]:
@@ -96,16 +96,6 @@ def _timed_law(T_u: Model, n_samples: int, what: str) -> list[Row]:
     found = timed({"design": design, "iteration": lambda: law(u, e)}, REPEATS)
     peak = f"peak so far {peak_memory():.2f} GB"
     return [replace(row, name=f"{what}: {row.name}, {peak}") for row in found]
-
-
-def _record() -> list[Row]:
-    law = Heuristic(Q=ZeroPhaseButterworth(6.0, 0.01), gamma=0.9, delta=5)
-    iteration = RecordIteration(TwoMassLoop().T_motor, law, 2000)
-    named = {
-        "contraction of 2,000 samples": lambda: iteration.contraction,
-        "spectral radius of 2,000 samples, with its bound": lambda: iteration.spectral_radius,
-    }
-    return timed(named, REPEATS)
 
 
 def _updates() -> list[Row]:

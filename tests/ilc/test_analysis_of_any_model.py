@@ -1,16 +1,15 @@
-"""Finite-record analysis of models that vary, are not square, vanish after some iterations."""
+"""Finite-record analysis of models that vary, or are not square; laws that have none."""
 
 import numpy as np
 import pytest
 
-from armside.ilc.analysis.record_iteration import LiftedIteration, RecordIteration
+from armside.ilc.analysis.record_iteration import LiftedIteration
 from armside.ilc.filters import ALL_PASS
 from armside.ilc.laws.first_order import PType
 from armside.ilc.laws.heuristic import Heuristic
 from armside.ilc.laws.memory import HighOrder
 from armside.ilc.laws.norm_optimal import Constrained, NormOptimal
 from armside.ilc.laws.transfer import RationalBasis
-from armside.ilc.models.lifted import LiftedModel
 from armside.ilc.models.state_space import StateSpace, TimeVarying
 from armside.ilc.models.system import System
 
@@ -50,11 +49,6 @@ def test_the_lifted_iteration_of_a_varying_plant_is_that_of_its_matrix(rng):
     np.testing.assert_allclose(found.spectral_radius, radius, rtol=1e-9)
 
 
-def test_the_lifted_iteration_of_a_users_matrix_is_that_of_it(rng):
-    G = np.tril(rng.standard_normal((N, N)))
-    assert np.array_equal(LiftedIteration.build(LiftedModel(G), HALF, N).T, G)
-
-
 def test_the_lifted_iteration_of_a_plant_that_is_not_square(rng):
     A, B, C = np.diag([0.5, 0.3]), rng.standard_normal((2, 3)), rng.standard_normal((2, 2))
     T = StateSpace(A, B, C)
@@ -79,10 +73,10 @@ def test_a_law_with_limits_has_no_linear_iteration():
     law = Constrained(T_u=SERVO, n_samples=N, limit=1e-3)
     with pytest.raises(ValueError, match="limits"):
         LiftedIteration.build(SERVO, law, N)
-    with pytest.raises(ValueError, match="limits"):
-        RecordIteration(SERVO, law, N)
-    free = RecordIteration(SERVO, Constrained(T_u=SERVO, n_samples=N), N)
-    known = RecordIteration(SERVO, NormOptimal(T_u=SERVO, n_samples=N), N)
+    free, known = (
+        LiftedIteration.build(SERVO, each(T_u=SERVO, n_samples=N), N)
+        for each in (Constrained, NormOptimal)
+    )
     assert free.contraction == pytest.approx(known.contraction, rel=1e-9)
 
 
@@ -95,53 +89,12 @@ def test_a_law_that_is_not_linear_has_no_lifted_iteration():
 
 def test_a_law_with_memory_has_no_first_order_iteration():
     law = HighOrder(L=PType(gamma=0.5, delta=1), alpha=(1.0, 0.0), beta=(1.0, -0.5))
-    for build in (LiftedIteration.build, RecordIteration):
-        with pytest.raises(ValueError, match="memory"):
-            build(SERVO, law, N)
-
-
-@pytest.mark.parametrize("n", [1, 2, 3, 50, 400])
-@pytest.mark.parametrize(
-    ("b", "gamma", "delta"),
-    [([1.0], 1.0, 0), ([0.5, 0.3, -0.2], 2.0, 0), ([*[0.0] * 401, 1.0], 1.0, 0)],
-    ids=["zero", "nilpotent", "delay beyond the record"],
-)
-def test_an_iteration_that_ends_has_its_figures(n, b, gamma, delta):
-    T, law = System(b, [1.0], 0.01), Heuristic(gamma=gamma, delta=delta, Q=ALL_PASS)
-    units = np.eye(n).reshape(n, n, 1)
-    A = np.stack([law(u, -T.simulate(u)).ravel() for u in units], axis=1)
-    wanted = [np.linalg.norm(np.linalg.matrix_power(A, k), ord=2) for k in (1, 3)]
-    whole = LiftedIteration.build(T, law, n)
-    for found in (RecordIteration(T, law, n), whole):
-        assert found.contraction == pytest.approx(wanted[0], rel=1e-9, abs=1e-300)
-        np.testing.assert_allclose(found.transient_growth([1, 3]), wanted, rtol=1e-9)
-    radius = RecordIteration(T, law, n).spectral_radius
-    assert radius.bound >= (1.0 - 1e-12) * whole.spectral_radius
-    if radius.value is not None and len(b) > 400:
-        assert radius.value == pytest.approx(1.0)
-
-
-def test_an_iteration_of_two_samples_has_a_radius():
-    found = RecordIteration(SERVO, HALF, 2).spectral_radius
-    wanted = LiftedIteration.build(SERVO, HALF, 2).spectral_radius
-    assert found.value == pytest.approx(wanted, rel=1e-9)
-    assert found.residual is not None
-    assert found.residual < 1e-12
-
-
-def test_a_power_lost_in_rounding_is_not_taken_for_a_wrong_adjoint():
-    """||A^40|| = 5e9, ||A^100|| = sqrt(2)."""
-    T = System([0.0, 0.5], [1.0, -0.95], 0.01)
-    found = RecordIteration(T, Heuristic(gamma=1.9, delta=1, Q=ALL_PASS), 60)
-    with pytest.raises(RuntimeError, match="power 100 of the map is lost in rounding"):
-        found.transient_growth(100)
-    assert found.spectral_radius.bound > 1.0
+    with pytest.raises(ValueError, match="memory"):
+        LiftedIteration.build(SERVO, law, N)
 
 
 @pytest.mark.parametrize("k", [100, 250, 400])
 def test_a_power_that_no_number_holds_is_named(k):
-    """A gain of 60: one analysis blamed the adjoint, the other a signal or rounding."""
     diverging = Heuristic(gamma=60.0, delta=1, Q=ALL_PASS)
-    for found in (RecordIteration, LiftedIteration.build):
-        with pytest.raises(OverflowError, match=rf"power {k} of the map exceeds 1e\+150"):
-            found(SERVO, diverging, 100).transient_growth(k)
+    with pytest.raises(OverflowError, match=rf"power {k} of the map exceeds 1e\+150"):
+        LiftedIteration.build(SERVO, diverging, 100).transient_growth(k)

@@ -14,10 +14,8 @@ from scipy.linalg import solve_discrete_are
 from scipy.optimize import least_squares
 from scipy.signal import butter, lfilter, sosfilt, sosfiltfilt
 
-from armside.ilc.estimation.extended import extended
 from armside.ilc.estimation.kalman import Smoother, SteadyStateFilter
 from armside.ilc.estimation.process import Process, steady_state_covariance
-from armside.ilc.estimation.square_root import smooth_square_root
 from armside.ilc.filters import Edge, ZeroPhaseButterworth
 from armside.ilc.identification.arx import fit_arx
 from armside.ilc.identification.first_order_lag import fit_first_order
@@ -206,14 +204,10 @@ class Gaussian(NamedTuple):
     """A process with its record, some states known exactly, some without noise, some growing."""
 
     process: Process
-    root: np.ndarray
-    """S of the covariance S S^T at the start."""
+    start: np.ndarray
+    """(n, n), covariance."""
     seen: np.ndarray
     y: np.ndarray
-
-    @property
-    def start(self):
-        return self.root @ self.root.T
 
 
 def random_process(rng, n, p, n_samples):
@@ -226,14 +220,14 @@ def random_process(rng, n, p, n_samples):
     )
     seen = rng.random((n_samples, p)) < 0.8
     y = np.where(seen, rng.standard_normal((n_samples, p)), np.nan)
-    return Gaussian(process, first, seen, y)
+    return Gaussian(process, first @ first.T, seen, y)
 
 
 @pytest.mark.filterwarnings("ignore:variances of states and readings")  # it is right all the same
 @cases(25)
 @given(n=st.integers(1, 5), p=st.integers(1, 3), n_samples=st.integers(2, 25), seed=SEED)
 def test_smoothers_are_the_mean_and_covariance_of_the_joint_gaussian(n, p, n_samples, seed):
-    """By covariances, by square roots, and by the extended filter on a linear process."""
+    """Given the whole record; filtered, given the rows up to each; innovations, those before it."""
     given = random_process(np.random.default_rng(seed), n, p, n_samples)
     A, Q, C, R = (getattr(given.process, name) for name in "AQCR")
     T = np.zeros((n_samples, n, n_samples, n))
@@ -244,31 +238,33 @@ def test_smoothers_are_the_mean_and_covariance_of_the_joint_gaussian(n, p, n_sam
     W = np.kron(np.eye(n_samples), Q)
     W[:n, :n] = given.start
     P: Any = T @ W @ T.T
-    shown: Any = given.seen.ravel()
-    H = np.kron(np.eye(n_samples), C)[shown]
-    S = H @ P @ H.T + np.kron(np.eye(n_samples), R)[np.ix_(shown, shown)]
-    K = np.linalg.solve(S, H @ P).T
+
+    def known(rows) -> Any:
+        """Means (N, n) and covariances of the states, given so many rows."""
+        shown = given.seen[:rows].ravel()
+        H = np.kron(np.eye(n_samples)[:rows], C)[shown]
+        S = H @ P @ H.T + np.kron(np.eye(rows), R)[np.ix_(shown, shown)]
+        K = np.linalg.solve(S, H @ P).T
+        mean = K @ given.y[:rows][given.seen[:rows]]
+        return mean.reshape(n_samples, n), (P - K @ H @ P).reshape(n_samples, n, n_samples, n)
+
     smoother = Smoother(given.process, given.start, given.seen)
     result = smoother(given.y)
-    found = result.smoothed.ravel()
-    mean, scale = K @ given.y[given.seen], max(np.abs(P).max(), 1.0)
-    np.testing.assert_allclose(found, mean, rtol=0, atol=AGREED * max(np.abs(mean).max(), 1.0))
-    covariance = (P - K @ H @ P).reshape(n_samples, n, n_samples, n)
-    of_roots = smooth_square_root(given.process, given.y, np.zeros(n), given.root)
+    mean, covariance = known(n_samples)
+    largest, scale = max(np.abs(mean).max(), 1.0), max(np.abs(P).max(), 1.0)
+    close = {"rtol": 0.0, "atol": AGREED * largest}
+    np.testing.assert_allclose(result.smoothed, mean, **close)
     for i in range(n_samples):
-        for P_i in (smoother.smoothed_covariance[i], of_roots.smoothed_covariance[i]):
-            np.testing.assert_allclose(P_i, covariance[i, :, i], rtol=0, atol=1e-9 * scale)
-    steps = (lambda i, x: (A @ x, A)), (lambda i, x: (C @ x, C))
-    linear = extended(*steps, given.y, Q, R, np.zeros(n), given.start)
-    for other in (of_roots, linear):
-        off = np.abs(other.smoothed.ravel() - mean).max()
-        assert off <= AGREED * max(np.abs(mean).max(), 1.0)
-        for name in ("innovation", "filtered", "filtered_covariance"):
-            plain = smoother if name == "filtered_covariance" else result
-            known, one = getattr(plain, name), getattr(other, name)
-            np.testing.assert_array_equal(np.isnan(one), np.isnan(known))
-            off = np.nan_to_num(one - known)
-            assert np.abs(off).max() <= AGREED * max(np.nanmax(np.abs(known), initial=0.0), scale)
+        np.testing.assert_allclose(
+            smoother.smoothed_covariance[i], covariance[i, :, i], rtol=0, atol=1e-9 * scale
+        )
+        (before, _), (after, spread) = known(i), known(i + 1)
+        np.testing.assert_allclose(result.filtered[i], after[i], **close)
+        np.testing.assert_allclose(
+            smoother.filtered_covariance[i], spread[i, :, i], rtol=0, atol=1e-9 * scale
+        )
+        expected = np.where(given.seen[i], given.y[i] - C @ before[i], np.nan)
+        np.testing.assert_allclose(result.innovation[i], expected, **close)
 
 
 @cases(40)
@@ -323,7 +319,7 @@ def test_an_arx_fit_is_the_least_squares_solution(na, nb, nk, n_samples, m, slow
     inverse = np.linalg.inv(R)
     covariance = left @ left / (len(X) - na - nb) * inverse @ inverse.T
     scale = np.abs(expected).max()
-    np.testing.assert_allclose(found.coefficients, expected, rtol=0, atol=AGREED * scale)
+    np.testing.assert_allclose(found.model.theta, expected, rtol=0, atol=AGREED * scale)
     scale = np.abs(covariance).max()
     np.testing.assert_allclose(found.covariance, covariance, rtol=0, atol=AGREED * scale)
 

@@ -1,4 +1,4 @@
-"""Proposed designs, their expected values, and robustness by sampled plants."""
+"""Proposed designs, their expected values, and robustness; values that are refused."""
 
 import json
 import os
@@ -8,26 +8,19 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from scipy.stats import binom, binomtest
 
 from armside.ilc import Edge, Heuristic, learn
 from armside.ilc.analysis import LiftedIteration
 from armside.ilc.analysis.criterion import asymptotic_error, heuristic_criterion
 from armside.ilc.analysis.proposal import propose
-from armside.ilc.analysis.robustness import (
-    contraction,
-    contraction_map,
-    fraction_interval,
-    monte_carlo,
-    sampled_robustness,
-)
+from armside.ilc.analysis.robustness import contraction, contraction_map, monte_carlo
 from armside.ilc.filters import ALL_PASS, ZeroPhaseButterworth, shift
 from armside.ilc.laws.first_order import Blend, DType, MatrixGain, PType
 from armside.ilc.laws.model_based import Beyond, ModelInverse
 from armside.ilc.laws.model_free import FiniteDifference
 from armside.ilc.laws.norm_optimal import Constrained, PointToPoint
 from armside.ilc.laws.quadratic import QuadraticCriterion
-from armside.ilc.laws.repetitive import PlugIn, Repetitive
+from armside.ilc.laws.repetitive import Repetitive
 from armside.ilc.laws.transfer import BasisFunctions, RationalBasis
 from armside.ilc.measures.norms import two_norm
 from armside.ilc.models.file import read_model
@@ -228,7 +221,6 @@ def test_complex_values_are_refused_and_not_cut(build):
         lambda: Repetitive(L=PType(), period=10.5),
         lambda: Repetitive(L=PType(), period=np.nan),
         lambda: Repetitive(L=PType(), period=10, begin=0.5),
-        lambda: PlugIn(T_u=SERVO, L=PType(), period=10.5),
     ],
 )
 def test_what_is_counted_in_samples_is_whole(build):
@@ -243,7 +235,6 @@ def test_whole_numbers_of_any_type_are_samples():
     assert np.array_equal(points(0.0 * e, e), known(0.0 * e, e))
     assert np.array_equal(PType(delta=np.float64(2.0))(e.cumsum(0)), PType(delta=2)(e.cumsum(0)))
     assert Repetitive(L=PType(), period=10.0, begin=2.0).laps(np.ones((10, 1)), N).shape == (N, 1)
-    assert PlugIn(T_u=SERVO, L=PType(), period=10.0).run(np.ones((N, 1))).shape == (N, 1)
 
 
 def test_an_inverse_where_the_model_is_zero_is_refused():
@@ -282,44 +273,3 @@ def test_each_column_of_an_error_needs_its_cutoff():
     e = np.ones((60, 1))
     with pytest.raises(ValueError, match="Q has 2 cutoffs, the error 1 columns"):
         asymptotic_error(e, SERVO, PType(gamma=0.5), Q)
-
-
-@pytest.mark.parametrize(("held", "n"), [(0, 5), (5, 5), (1, 20), (13, 40), (999, 1000)])
-@pytest.mark.parametrize("confidence", [0.5, 0.95, 0.99])
-def test_the_interval_is_that_of_clopper_and_pearson(held, n, confidence):
-    expected = binomtest(held, n).proportion_ci(confidence, method="exact")
-    np.testing.assert_allclose(fraction_interval(held, n, confidence), expected, rtol=1e-9)
-
-
-@pytest.mark.parametrize("n", [20, 100])
-@pytest.mark.parametrize("fraction", [0.3, 0.8, 0.9])
-def test_intervals_of_95_percent_cover_the_fraction_at_least_as_often(n, fraction):
-    """Exactly, over all outcomes; the interval is conservative, never too narrow."""
-    inside = 0.0
-    for held in range(n + 1):
-        low, high = fraction_interval(held, n)
-        inside += float(binom.pmf(held, n, fraction)) * (low < fraction < high)
-    assert 0.95 <= inside <= 0.99
-
-
-def test_59_plants_that_converge_speak_for_95_percent():
-    plants = [System(np.ones(1), np.ones(1), 0.01)] * 59
-    law = Heuristic(Q=ALL_PASS, gamma=0.5, delta=0)
-    assert sampled_robustness(plants, law, 5).at_least() == pytest.approx(0.05 ** (1 / 59))
-    assert 0.95 < 0.05 ** (1 / 59)
-
-
-def test_gains_above_two_do_not_converge():
-    """|1 - gain| < 1 for the static plant; coupled: for its largest singular value."""
-    gains = np.random.default_rng(0).uniform(0.5, 3.0, 40)
-    law = Heuristic(Q=ALL_PASS, gamma=1.0, delta=0)
-    single = [System(np.array([gain]), np.ones(1), 0.01) for gain in gains]
-    found = sampled_robustness(single, law, 6)
-    np.testing.assert_allclose(found.contraction, np.abs(1.0 - gains), rtol=1e-6, atol=1e-9)
-    assert found.fraction == (gains < 2.0).mean()
-    assert found.at_least() < found.fraction
-    turn = np.array([[0.0, 1.0], [-1.0, 0.0]])
-    state = np.zeros((1, 1)), np.zeros((1, 2)), np.zeros((2, 1))
-    coupled = [StateSpace(*state, np.eye(2) + gain * turn) for gain in gains]
-    pairs = sampled_robustness(coupled, law, 6, 2)
-    np.testing.assert_allclose(pairs.contraction, gains, rtol=1e-6)

@@ -5,15 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from armside.ilc.analysis import (
-    eigenloci,
-    heuristic_criterion,
-    largest_common_cutoff,
-    largest_cutoff,
-    largest_gain_factor,
-    largest_gamma,
-)
-from armside.ilc.analysis.criterion import Contracting, heuristic_gain
+from armside.ilc.analysis import criterion, eigenloci, heuristic_criterion
+from armside.ilc.analysis.criterion import heuristic_gain
 from armside.ilc.filters import ALL_PASS, ZeroPhaseButterworth
 from armside.ilc.models.peak import AllPassPhase, peak
 from armside.ilc.models.system import System
@@ -75,16 +68,7 @@ def test_coupled_motors_contract_by_the_largest_singular_value():
     assert fine <= ours.bound
     assert ours.bound == pytest.approx(fine, rel=1e-4)
     with pytest.raises(ValueError, match="needs one Q for all motors"):
-        heuristic_criterion(COUPLED, gamma, delta, Q, of=Contracting.ERROR)
-
-
-def test_uncoupled_motors_have_the_limits_of_the_worst_one():
-    one, two = System([0, 0, 0.3], [1, -0.7], T_S), System([0, 0, 0, 0.4], [1, -0.6], T_S)
-    T_u, Q = SystemMatrix.diagonal([one, two]), ZeroPhaseButterworth(20.0, T_S)
-    each = [largest_gamma(T, [3], [20.0])[0, 0] for T in (one, two)]
-    assert largest_gain_factor(T_u, 1.0, 3, Q) == pytest.approx(min(each), rel=1e-4)
-    each = [largest_cutoff(T, 0.9, 1) for T in (one, two)]
-    assert largest_common_cutoff(T_u, 0.9, 1) == pytest.approx(min(each), rel=1e-4)
+        criterion(COUPLED.response(omega), L, Q.response(omega), omega)
 
 
 SERVO = System(np.array([0, 0, 0.3]), np.array([1.0, -0.7]), T_S)

@@ -33,7 +33,6 @@ NOT_RECORDS = {
 }  # fmt: skip
 """Parameters that are arrays and no records; some of them are checked where they are used."""
 CHECKED_INSIDE = {"as_real", "as_record", "as_samples", "as_measured", "as_whole"} | {
-    "ByHand.record",
     "fit_circle",
     "friction",
     "path_accuracy",
@@ -45,8 +44,8 @@ CHECKED_INSIDE = {"as_real", "as_record", "as_samples", "as_measured", "as_whole
 }
 """Functions that call the gate themselves, with a test of their own below or elsewhere."""
 INTERNAL = {
-    "QuadraticProblem", "Factored", "LiftedFactor", "Realisation",
-    "solve_factored", "solve_matrix_free", "conjugate_step", "require_adjoint", "require_moderate",
+    "QuadraticProblem", "Factored", "Realisation",
+    "solve_factored", "solve_matrix_free", "conjugate_gradients",
     "excess", "pairwise_independence",
     "by_frequency", "measured", "rms_and_peak",  # of a bench, which makes its records itself
 }  # fmt: skip

@@ -30,9 +30,9 @@ def data(seed, noise=0.02, n=1500, experiments=1):
 
 def test_the_servo_of_chapter_9_is_recovered_from_noisy_data():
     fit = select_arx(*data(0), T_S)[0]
-    assert (fit.na, fit.nb, fit.nk) == (1, 1, 5)
+    assert (fit.model.orders.na, fit.model.orders.nb, fit.model.orders.nk) == (1, 1, 5)
     np.testing.assert_allclose(
-        fit.coefficients, [-0.4884, 0.5083], atol=4 * fit.standard_errors.max()
+        fit.model.theta, [-0.4884, 0.5083], atol=4 * fit.standard_errors.max()
     )
     assert fit.noise_variance == pytest.approx(0.02**2, rel=0.1)
 
@@ -57,13 +57,14 @@ def test_the_deviation_of_the_response_is_the_scatter_of_repeated_fits():
 def test_without_noise_the_fit_is_exact():
     u, y = data(3, noise=0.0)
     fit = fit_arx(u, y, T_S, na=1, nb=1, nk=5)
-    np.testing.assert_allclose(fit.coefficients, [-0.4884, 0.5083], atol=1e-12)
+    np.testing.assert_allclose(fit.model.theta, [-0.4884, 0.5083], atol=1e-12)
     assert fit_of(fit.system, u, y) > 0.999999
 
 
 def test_a_higher_order_must_earn_its_coefficients():
     u, y = data(1)
-    orders = [(fit.na, fit.nb, fit.nk) for fit in select_arx(u, y, T_S, criterion=Information.BIC)]
+    fits = select_arx(u, y, T_S, criterion=Information.BIC)
+    orders = [(fit.model.orders.na, fit.model.orders.nb, fit.model.orders.nk) for fit in fits]
     assert orders.index((1, 1, 5)) < orders.index((2, 1, 5)) < orders.index((1, 1, 3))
 
 
@@ -145,7 +146,7 @@ def test_output_noise_biases_output_error_less_than_arx(smooth_input):
     arx = fit_arx(smooth_input, y, T_S, na=1, nb=1, nk=5)
     assert ours.total_delay == pytest.approx(5.95, abs=0.3)
     assert abs(ours.static_gain - ARX.static_gain) < 0.01
-    pole_of_arx = -arx.coefficients[0]
+    pole_of_arx = -arx.model.theta[0]
     found = fit_first_order(smooth_input, y, T_S, delays=[5])
     assert abs(found.pole - 0.4884) < 0.5 * abs(pole_of_arx - 0.4884)
 

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from armside.ilc import Heuristic, ZeroPhaseButterworth, learn
 from armside.ilc.analysis import LiftedIteration
-from armside.ilc.analysis.robustness import fraction_interval, sampled_robustness
 from armside.ilc.filters import ALL_PASS
 from armside.ilc.laws.first_order import Blend, DType, FirstOrder, MatrixGain, PType
 from armside.ilc.laws.memory import (
@@ -27,7 +26,7 @@ from armside.ilc.laws.quadratic import QuadraticCriterion
 from armside.ilc.laws.repetitive import Repetitive
 from armside.ilc.laws.robust import h_infinity
 from armside.ilc.laws.wrappers import JointSpace, Scheduled
-from armside.ilc.models.linear_plant import Alternating, LinearPlant
+from armside.ilc.models.linear_plant import LinearPlant
 from armside.ilc.models.state_space import StateSpace
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
@@ -160,7 +159,6 @@ FADING = FirstOrder(L=Blend(filters=(PType(),), weights=np.ones((90, 1))))
         (lambda: SystemMatrix(((ARX,), (ARX, ARX))), "square matrix"),
         (lambda: System.from_z([1, 0, 0], [1, 0.5], T_S), "numerator degree 2 in q"),
         (lambda: System([1], [0, 1], T_S), "not causal"),
-        (lambda: Alternating([]), "at least one plant"),
         (lambda: b_splines(10, 3), r"n_basis must be in 4\.\.10"),
         (lambda: FADING.check(60, 1), "weights cover 90 samples, the record 60"),
         (lambda: JointSpace(law=FADING, inverse=np.ones((2, 3))).check(1, 6), "2 motors"),
@@ -191,8 +189,6 @@ FADING = FirstOrder(L=Blend(filters=(PType(),), weights=np.ones((90, 1))))
         (lambda: Gradient(T_u=NOTHING), "T_u is 0"),
         (lambda: h_infinity(NOTHING, low_pass()), "T_u is 0"),
         (lambda: ModelInverse(T_u=NOTHING, learned=low_pass()), "T_u is 0"),
-        (lambda: sampled_robustness([], Heuristic(Q=ALL_PASS), 10), "plants must not be empty"),
-        (lambda: fraction_interval(3, 2), "held must be 0 to n and n >= 1, got 3 of 2"),
     ],
 )
 def test_invalid_design_variables_are_refused_by_name(build, message):

@@ -8,9 +8,6 @@ import pytest
 from scipy.signal import lfilter
 
 from armside.ilc import AllPass, Heuristic, ZeroPhaseButterworth, learn
-from armside.ilc.by_hand import ByHand
-from armside.ilc.laws.first_order import PType
-from armside.ilc.laws.memory import HighOrder
 from armside.ilc.measures.norms import two_norm
 from armside.ilc.models.two_mass import ArmReading, FrictionPlant, TwoMassLoop, TwoMassPlant
 
@@ -214,37 +211,3 @@ def test_noise_sets_a_floor_that_is_seen_on_the_motor_side():
         return two_norm(trial.error)[0]
 
     assert last(0.01) > np.sqrt(800) * 0.01 > last(0.0)
-
-
-# By hand
-
-
-@pytest.mark.parametrize(
-    "law",
-    [LAW, HighOrder(alpha=(0.7, 0.3), beta=(0.5, 0.2), L=PType(gamma=1.0, delta=5), Q=LAW.Q)],
-    ids=["first order", "with memory"],
-)
-def test_learning_by_hand_is_the_loop_carried_in_pieces(law, tmp_path):
-    plant = TwoMassPlant()
-    r = plant.motor_reference
-    expected = list(learn(plant, law, r, 3, output_of=lambda run: run.motor))
-    state = ByHand(law=law, reference=r)
-    for trial in expected:
-        assert state.k == trial.k
-        np.testing.assert_array_equal(state.correction, trial.correction)
-        state = state.record(plant.run(state.correction).motor)
-        state.save(tmp_path / "learning.npz")  # and continue another day
-        state = ByHand.load(tmp_path / "learning.npz", law)
-    assert len(state.errors) == 4
-    assert state.table().splitlines()[0].split() == ["k", "two-norm", "largest"]
-
-
-def test_a_log_that_does_not_fit_is_refused(tmp_path):
-    state = ByHand(law=LAW, reference=np.zeros((50, 2)))
-    with pytest.raises(ValueError, match="output must have shape"):
-        state.record(np.zeros((49, 2)))
-    with pytest.raises(ValueError, match="output must be finite"):
-        state.record(np.full((50, 2), np.nan))
-    np.savez(tmp_path / "other.npz", reference=np.zeros((5, 1)))
-    with pytest.raises(ValueError, match="lacks corrections, outputs"):
-        ByHand.load(tmp_path / "other.npz", LAW)

@@ -1,34 +1,29 @@
-"""Laws and analysis with models that are measured, vary, are lifted or not square."""
+"""Laws and analysis with models that vary, are in states or not square."""
 
 import numpy as np
 import pytest
 
 from armside.ilc.analysis import (
-    RecordIteration,
     asymptotic_error,
     eigenloci,
     heuristic_criterion,
-    largest_common_cutoff,
     largest_cutoff,
     largest_gamma,
 )
 from armside.ilc.filters import ALL_PASS, ZeroPhaseButterworth
 from armside.ilc.laws.first_order import FirstOrder, PType
-from armside.ilc.laws.heuristic import Heuristic
 from armside.ilc.laws.model_based import Gradient, ModelInverse
 from armside.ilc.laws.norm_optimal import NormOptimal, PointToPoint
 from armside.ilc.laws.quadratic import QuadraticCriterion
 from armside.ilc.laws.robust import h_infinity
 from armside.ilc.laws.transfer import BasisFunctions
 from armside.ilc.models.conversion import as_state_space
-from armside.ilc.models.lifted import ImpulseResponse, LiftedModel
 from armside.ilc.models.state_space import StateSpace, TimeVarying
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 
 N, T_S = 30, 0.01
 SERVO = System([0.0, 0.3, 0.2, 0.1], [1.0], T_S)
-MEASURED = ImpulseResponse(np.array([0.0, 0.3, 0.2, 0.1]), T_S)
 SLOW = System([0.0, 0.3], [1.0, -0.7], T_S)
 LOW = ZeroPhaseButterworth(10.0, T_S)
 
@@ -49,10 +44,10 @@ def models(rng):
     shapes = (N, 3, 3), (N, 3, 2), (N, 1, 3)
     varying = TimeVarying(*(0.4 * rng.standard_normal(shape) for shape in shapes))
     wide = StateSpace(np.diag([0.5, 0.3]), rng.standard_normal((2, 3)), np.eye(2))
-    return [varying, wide, MEASURED, LiftedModel(np.tril(rng.standard_normal((N, N))))]
+    return [varying, wide]
 
 
-@pytest.mark.parametrize("which", range(4))
+@pytest.mark.parametrize("which", range(2))
 def test_a_step_in_basis_functions_on_any_model_is_least_squares(rng, which):
     T = models(rng)[which]
     basis, e = rng.standard_normal((N, T.n_inputs, 2)), rng.standard_normal((N, T.n_outputs))
@@ -65,7 +60,7 @@ def test_a_step_in_basis_functions_on_any_model_is_least_squares(rng, which):
     np.testing.assert_allclose(found.ravel(), wanted, rtol=1e-6, atol=1e-6 * np.abs(wanted).max())
 
 
-@pytest.mark.parametrize("which", range(4))
+@pytest.mark.parametrize("which", range(2))
 def test_a_point_to_point_step_on_any_model_is_least_squares(rng, which):
     T = models(rng)[which]
     law = PointToPoint(T_u=T, points=[4, N - 1, 4], n_samples=N, n_columns=T.n_inputs)
@@ -78,27 +73,20 @@ def test_a_point_to_point_step_on_any_model_is_least_squares(rng, which):
     np.testing.assert_allclose(found.ravel(), wanted, rtol=1e-6, atol=1e-6 * np.abs(wanted).max())
 
 
-def test_a_measured_response_has_the_analysis_of_its_system():
-    for known, found in (
-        (heuristic_criterion(T, 0.6, 2, LOW).bound, heuristic_criterion(M, 0.6, 2, LOW).bound)
-        for T, M in ((SERVO, MEASURED), (SLOW, as_state_space(SLOW)))
-    ):
-        assert found == pytest.approx(known, rel=1e-8)
-    measured = ImpulseResponse(MEASURED.h, T_S)
-    known, found = (largest_common_cutoff(T, 1.3, 2) for T in (SERVO, measured))
-    assert found == pytest.approx(known, rel=1e-5)
-    assert np.isfinite(known)
-    known, found = (eigenloci(T, 0.6, 2, LOW).spectral_radius for T in (SERVO, MEASURED))
+def test_a_model_in_states_has_the_analysis_of_its_system():
+    states = as_state_space(SLOW)
+    known, found = (heuristic_criterion(T, 0.6, 2, LOW).bound for T in (SLOW, states))
     assert found == pytest.approx(known, rel=1e-8)
-    assert Gradient(T_u=MEASURED).step == pytest.approx(Gradient(T_u=SERVO).step, rel=1e-9)
+    known, found = (eigenloci(T, 0.6, 2, LOW).spectral_radius for T in (SLOW, states))
+    assert found == pytest.approx(known, rel=1e-8)
+    assert Gradient(T_u=states).step == pytest.approx(Gradient(T_u=SLOW).step, rel=1e-9)
     e = np.sin(np.arange(N))[:, None]
-    known, found = (ModelInverse(T_u=T, learned=LOW)(e) for T in (SERVO, MEASURED))
+    known, found = (ModelInverse(T_u=T, learned=LOW)(e) for T in (SLOW, states))
     np.testing.assert_allclose(found, known, rtol=1e-9, atol=1e-12)
 
 
-@pytest.mark.parametrize(("T", "other"), [(SERVO, MEASURED), (SLOW, as_state_space(SLOW))])
-def test_a_minimax_filter_takes_a_model_in_any_form(T, other):
-    known, found = (h_infinity(each, LOW, uncertainty=0.3) for each in (T, other))
+def test_a_minimax_filter_takes_a_model_in_any_form():
+    known, found = (h_infinity(T, LOW, uncertainty=0.3) for T in (SLOW, as_state_space(SLOW)))
     assert found.reached == pytest.approx(known.reached, rel=1e-6)
     assert found.least == pytest.approx(known.least, rel=1e-6)
 
@@ -159,7 +147,7 @@ def test_an_error_of_other_columns_is_not_spread_over_the_motors():
 
 
 def test_what_a_model_has_not_is_said(rng):
-    varying, wide, *_ = models(rng)
+    varying, wide = models(rng)
     Q = ZeroPhaseButterworth((5.0, 20.0), T_S)
     for needs_response in (
         lambda: heuristic_criterion(varying, 0.5, 1, LOW),
@@ -197,7 +185,6 @@ class WrongAdjoint:
     [
         lambda T: NormOptimal(T_u=T, n_samples=N, criterion=QuadraticCriterion(change=100.0)),
         lambda T: Gradient(T_u=T),
-        lambda T: RecordIteration(T, Heuristic(gamma=0.5, Q=ALL_PASS), N).contraction,
     ],
 )
 def test_a_users_wrong_adjoint_is_noticed(use):

@@ -257,7 +257,7 @@ def test_the_band_that_is_drawn_holds_the_true_response_at_its_rate():
         u, y = noisy_record(rng, 400)
         fit = fit_subspace(u, y, T_S, 4, feedthrough=True)
         made = InputOutput(u=u, y=y, sample_time=T_S)
-        best = Candidate.of(Structure.SUBSPACE, fit, u, y)
+        best = Candidate(Structure.SUBSPACE, fit, 1.0)
         magnitude, band = _response(best, made, OMEGA, 10, rng)
         true = np.abs(TRUE.response(OMEGA)).reshape(magnitude.shape)
         inside.append(np.abs(magnitude - true) < band)

@@ -8,20 +8,18 @@ import pytest
 from scipy import signal
 
 from armside.ilc.analysis import asymptotic_error
-from armside.ilc.analysis.limits import largest_gain_factor
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.laws.first_order import MatrixGain
 from armside.ilc.laws.norm_optimal import NormOptimal
 from armside.ilc.laws.quadratic import QuadraticCriterion
 from armside.ilc.models.conversion import as_state_space
 from armside.ilc.models.file import MOST_STATES, read_model, write_model
-from armside.ilc.models.lifted import ImpulseResponse
 from armside.ilc.models.linear_plant import LinearPlant
 from armside.ilc.models.state_space import StateSpace, TimeVarying
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 
-from .random_cases import T_S, random_matrix, random_state_matrix
+from .random_cases import T_S, random_matrix
 from .signals import bump, error_norms
 
 OMEGA = np.array([0.0, 0.01, 0.4, 2.0, np.pi])
@@ -86,14 +84,7 @@ def test_a_plant_along_another_record_is_refused_in_one_line():
         LinearPlant(T_u=object(), reference=bump(200))  # pyright: ignore[reportArgumentType]
 
 
-def random_plant(seed, n, order, slowest, damping):
-    rng = np.random.default_rng(seed)
-    A = random_state_matrix(rng, order, slowest, damping)
-    B, C = rng.standard_normal((order, n)), rng.standard_normal((n, order))
-    return StateSpace(A, B, C / np.linalg.norm(C @ np.linalg.solve(np.eye(order) - A, B), 2))
-
-
-def test_gain_limit_and_asymptotic_error_are_those_of_the_matrix_of_systems():
+def test_response_and_asymptotic_error_are_those_of_the_matrix_of_systems():
     one, other = (
         System.from_z([0.3], [1, -0.7], T_S),
         System.from_z([0.1, 0.1], [1, -1.2, 0.5], T_S),
@@ -102,8 +93,6 @@ def test_gain_limit_and_asymptotic_error_are_those_of_the_matrix_of_systems():
     T = as_state_space(matrix)
     np.testing.assert_allclose(T.response(OMEGA), matrix.response(OMEGA), atol=1e-12)
     Q = ZeroPhaseButterworth(20.0, T_S)
-    factor = largest_gain_factor(matrix, 0.5, 2, Q)
-    assert largest_gain_factor(T, 0.5, 2, Q) == pytest.approx(factor, rel=1e-5)
     L = MatrixGain(gamma=0.5 * np.eye(2), delta=2)
     e_0 = np.random.default_rng(0).standard_normal((100, 2))
     limit = asymptotic_error(e_0, T, L, Q)
@@ -127,17 +116,6 @@ def test_models_of_scipy_and_control_keep_their_response():
     pole = np.exp(-3.0 * T_S)
     expected = 2.0 / 3.0 * (1.0 - pole) / (np.exp(1j * OMEGA) - pole)
     np.testing.assert_allclose(as_state_space(lag, T_S).response(OMEGA)[:, 0, 0], expected)
-
-
-def test_a_measured_frequency_response_gives_the_impulse_response_or_is_refused():
-    T = random_plant(1, 2, 4, 0.9, 0.5)
-    omega = 2.0 * np.pi * np.arange(257) / 512
-    measured = ImpulseResponse.from_frequency_response(T.response(omega))
-    u = np.random.default_rng(0).standard_normal((200, 2))
-    np.testing.assert_allclose(measured.simulate(u), T.simulate(u), atol=1e-6)
-    slow = StateSpace(np.array([[0.999]]), np.ones((1, 1)), np.ones((1, 1)))
-    with pytest.raises(ValueError, match="measure a longer period"):
-        ImpulseResponse.from_frequency_response(slow.response(omega))
 
 
 class Own:

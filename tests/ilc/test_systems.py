@@ -12,7 +12,7 @@ from scipy import signal
 from armside.ilc import AllPass, Heuristic, learn
 from armside.ilc.models.conversion import as_state_space, as_system
 from armside.ilc.models.file import read_model, read_system
-from armside.ilc.models.linear_plant import Alternating, LinearPlant
+from armside.ilc.models.linear_plant import LinearPlant
 from armside.ilc.models.state_space import StateSpace
 from armside.ilc.models.system import System, tustin, zero_order_hold, zoh
 from armside.ilc.models.system_matrix import SystemMatrix
@@ -47,8 +47,6 @@ def test_other_models_are_refused_with_the_reason():
         as_system(control.tf([[[1.0], [1.0]]], [[[1.0, 0.5], [1.0, 0.5]]], T_S))
     with pytest.raises(ValueError, match="model must be a System"):
         as_system("G")
-    with pytest.raises(ValueError, match="with its sample_time"):
-        as_system(([1], [1, 2]))
     with pytest.raises(ValueError, match="have one sample time"):
         SYSTEM * System([1], [1], 2 * T_S)
 
@@ -112,12 +110,10 @@ def test_the_final_error_with_a_filter_is_driven_by_reference_error_and_load():
     assert np.abs(last.error[:-5]).max() < 1e-6
 
 
-def test_loads_and_plants_alternate_over_the_iterations():
+def test_loads_alternate_over_the_iterations():
     zero, one = np.zeros((5, 1)), np.ones((5, 1))
     plant = LinearPlant(T_u=SYSTEM, reference=zero, loads=(zero, one))
     assert [plant.run(zero)[0, 0] for _ in range(4)] == [0, 1, 0, 1]
-    swap = Alternating([LinearPlant(T_u=SYSTEM, reference=zero, loads=(w,)) for w in (zero, one)])
-    assert [swap.run(zero)[0, 0] for _ in range(4)] == [0, 1, 0, 1]
 
 
 def test_a_plant_of_misfitting_parts_is_refused():

@@ -123,7 +123,7 @@ def _arx_table(data: Data) -> Table:
     for nk in DELAYS:
         fit = fit_arx(*p1, SAMPLE_TIME, na=1, nb=1, nk=nk)
         fits = (_simulated_fit(fit.system, *signals) for signals in (p1, p2))
-        rows.append([nk, float(-fit.coefficients[0]), fit.system.static_gain, *fits, _said(fit)])
+        rows.append([nk, float(-fit.model.theta[0]), fit.system.static_gain, *fits, _said(fit)])
     title = "ARX with one pole, motors 4 and 6: estimated at p1, simulated at p1 and p2"
     columns = ["delay", "pole", "static gain", "fit p1 [%]", "fit p2 [%]", "warnings"]
     return Table(title, columns, rows)

@@ -16,7 +16,6 @@ from armside.ilc.estimation.process import (
     sampled_noise,
     steady_state_covariance,
 )
-from armside.ilc.estimation.wiener import NonCausal
 
 STEP = 0.01
 A = np.array([[0.0, 1.0], [-((2 * np.pi * 3) ** 2), -2.0]])
@@ -144,16 +143,6 @@ def test_the_statistic_of_whiteness_is_that_of_ljung_and_box():
     r = [c[k:] @ c[:-k] / (c @ c) for k in range(1, lags + 1)]
     q = 30 * 32 * sum(r[k - 1] ** 2 / (30 - k) for k in range(1, lags + 1))
     assert whiteness(e[:, None], lags).p_value == pytest.approx(chi2.sf(q, lags), rel=1e-9)
-
-
-def test_the_wiener_filter_is_the_smoother_far_from_the_ends(process, record):
-    _, y = record
-    y = y[:1000]
-    P = steady_state_covariance(process)
-    smoothed = Smoother(process, P, np.ones(len(y), dtype=bool))(y).smoothed[:, 0]
-    wiener = NonCausal(A, W, C, C)(y, STEP, R)[:, 0]
-    middle = slice(200, 800)
-    assert np.std(wiener[middle] - smoothed[middle]) < 0.1 * np.std(smoothed[middle])
 
 
 def test_a_steady_filter_uses_the_channels_that_are_there():

@@ -1,4 +1,4 @@
-"""Smoothers: scheduled, in square-root form, in the frequency domain; compiled once."""
+"""Smoothers: scheduled, for stiff records; compiled once."""
 
 import os
 import warnings
@@ -10,10 +10,8 @@ import pytest
 from armside.arrays import read_only
 from armside.ilc.estimation import kalman
 from armside.ilc.estimation.kalman import Smoother
-from armside.ilc.estimation.process import Process, sampled_noise, steady_state_covariance
+from armside.ilc.estimation.process import Process
 from armside.ilc.estimation.scheduled import ScheduledSmoother
-from armside.ilc.estimation.square_root import smooth_square_root
-from armside.ilc.estimation.wiener import NonCausal
 
 
 def test_arrays_that_may_be_written_to_and_others_share_one_smoother():
@@ -36,31 +34,6 @@ def test_what_is_read_only_shares_its_memory_and_leaves_the_array_as_it_was():
     assert not view.flags.writeable
     assert array.flags.writeable
     assert read_only(array.T).flags.c_contiguous
-
-
-STEP = 0.01
-A = np.array([[0.0, 1.0], [-((2 * np.pi * 3) ** 2), -2.0]])
-W = np.diag([0.0, 4.0])
-C = np.array([[1.0, 0.0], [0.0, 0.1]])
-R = 1e-4 * np.array([[1.0, 0.5], [0.5, 4.0]])
-
-
-def test_a_wiener_filter_predicts_over_what_is_missing():
-    """As the smoother with the same readings missing, far from the ends: rows, single channels."""
-    Ad, Q = sampled_noise(A, W, STEP)
-    process, rng = Process(A=Ad, Q=Q, C=C, R=R), np.random.default_rng(0)
-    x, y = np.zeros(2), np.empty((1000, 2))
-    for i in range(1000):
-        y[i] = C @ x + rng.multivariate_normal(np.zeros(2), R)
-        x = Ad @ x + rng.multivariate_normal(np.zeros(2), Q)
-    y[400:410], y[500::7, 0], y[550::9, 1] = np.nan, np.nan, np.nan
-    P = steady_state_covariance(process)
-    smoothed = Smoother(process, P, np.isfinite(y))(y).smoothed[:, 0]
-    wiener, zeros = (NonCausal(A, W, C, C[:1])(z, STEP, R)[:, 0] for z in (y, np.nan_to_num(y)))
-    middle = slice(200, 800)
-    left = [np.std(found[middle] - smoothed[middle]) for found in (wiener, zeros)]
-    assert left[0] < 0.02 * np.std(smoothed[middle])
-    assert left[0] < 0.2 * left[1]
 
 
 def process(frequency: float) -> Process:
@@ -144,18 +117,6 @@ def test_a_missing_channel_costs_no_row(channel):
     assert left < 0.5 * apart
 
 
-def stiff(n_samples=6):
-    """A drift of 1e-12 seen beside a position, both to 1e-9 of what is known at the start."""
-    one = Process(
-        A=np.array([[1.0, 1e-2], [0.0, 1.0]]),
-        Q=np.diag([1e-16, 1e-12]),
-        C=np.array([[1.0, 1.0 + 1e-7]]),
-        R=np.array([[1e-18]]),
-    )
-    y = 1e-4 * np.sin(np.arange(n_samples))[:, None]
-    return one, y, np.diag([1.0, 1e2])
-
-
 def dense(process, y, P0):
     """Mean and covariance of the joint Gaussian of all states, in sixty digits."""
     with mpmath.workdps(60):
@@ -179,19 +140,6 @@ def dense(process, y, P0):
         mean, after = K * mpmath.matrix(y.tolist()), cov - K * H * cov
         variance = [float(after[i, i]) for i in range(n * N)]
         return np.array([float(v) for v in mean]).reshape(N, n), np.reshape(variance, (N, n))
-
-
-def test_variances_hold_where_the_covariance_form_has_none():
-    one, y, S = stiff()
-    mean, variance = dense(one, y, S @ S.T)
-    found = smooth_square_root(one, y, np.zeros(2), S)
-    said = np.diagonal(found.smoothed_covariance, axis1=1, axis2=2)
-    np.testing.assert_allclose(said, variance, rtol=1e-5)
-    np.testing.assert_allclose(found.smoothed, mean, atol=1e-2 * np.sqrt(variance.min()))
-    with pytest.warns(RuntimeWarning, match="use square_root.smooth_square_root"):
-        plain = Smoother(one, S @ S.T, np.ones(len(y), dtype=bool)).smoothed_covariance
-    wrong = np.abs(np.diagonal(plain, axis1=1, axis2=2) / variance - 1.0)
-    assert wrong.max() > 0.1
 
 
 @pytest.mark.parametrize("seed", range(60 if os.environ.get("ARMSIDE_CI") else 15))
@@ -218,18 +166,12 @@ def test_the_covariance_form_is_right_or_warns(seed):
     assert not said or decades > 3.0
 
 
-def test_readings_without_noise_are_no_reason_to_warn():
-    one, y, S = stiff()
-    exact = Process(A=one.A, Q=one.Q, C=one.C, R=np.zeros((1, 1)))
+def test_variances_too_far_apart_are_said_unless_readings_have_no_noise():
+    """A drift of 1e-12 seen beside a position, both to 1e-9 of what is known at the start."""
+    A, Q, start = np.array([[1.0, 1e-2], [0.0, 1.0]]), np.diag([1e-16, 1e-12]), np.diag([1.0, 1e4])
+    C, seen = np.array([[1.0, 1.0 + 1e-7]]), np.ones(6, dtype=bool)
+    with pytest.warns(RuntimeWarning, match="too far apart for Smoother"):
+        Smoother(Process(A=A, Q=Q, C=C, R=np.array([[1e-18]])), start, seen)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        Smoother(exact, S @ S.T, np.ones(len(y), dtype=bool))
-
-
-def test_what_has_no_square_root_or_does_not_fit_is_refused():
-    one, y, S = stiff()
-    exact = Process(A=one.A, Q=one.Q, C=one.C, R=np.zeros((1, 1)))
-    with pytest.raises(ValueError, match="R must be positive definite"):
-        smooth_square_root(exact, y, np.zeros(2), S)
-    with pytest.raises(ValueError, match="must fit 1 readings, 2 states"):
-        smooth_square_root(one, y, np.zeros(3), S)
+        Smoother(Process(A=A, Q=Q, C=C, R=np.zeros((1, 1))), start, seen)

@@ -10,7 +10,6 @@ from armside import kinematics
 from armside.assets import LARGE_ROBOT_XML
 from armside.ilc.estimation.consistency import normalised_squared
 from armside.ilc.estimation.kalman import Smoother
-from armside.ilc.estimation.wiener import NonCausal
 from armside.kinematics.robots import IMU_LINKS
 from armside.sim.cell import ToolPose
 from armside.sim.estimation.commissioning import UNIDENTIFIED, commission
@@ -28,6 +27,7 @@ from armside.sim.robot.model import load_model
 
 from .extended_arm import ExtendedArm, start_covariance
 from .one_cut import CUT, IMU, MEASURE, assumed, commissioned, kept, spread
+from .wiener import NonCausal
 
 ROBOT = load_model(LARGE_ROBOT_XML)
 

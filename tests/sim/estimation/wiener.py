@@ -12,9 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from armside.arrays import Array
-
-from ..models.system import Complex
-from ..records import as_measured, records
+from armside.ilc.models.system import Complex
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,15 +27,6 @@ class NonCausal:
     C: Array
     Z: Array
 
-    def response(self, frequency: Array, sample_time: float, R: Array) -> Complex:
-        """T, (M, q, p), at frequencies [Hz] below the Nyquist frequency.
-
-        R: (p, p), covariance of v, of intensity R h in the band. y is assumed to be zero beyond
-        the band, as behind an anti-aliasing filter.
-        """
-        S_zy, S_yy = self._spectra(frequency, sample_time, R)
-        return S_zy @ np.linalg.inv(S_yy)
-
     def _spectra(self, frequency: Array, sample_time: float, R: Array) -> tuple[Complex, Complex]:
         # 1e-3 Hz: above the poles at 0 of slow drifts
         s = 2j * np.pi * np.maximum(np.abs(frequency), 1e-3)[:, None, None]
@@ -46,7 +35,6 @@ class NonCausal:
         S_yy = self.C @ spectrum @ self.C.T + R * sample_time
         return self.Z @ spectrum @ self.C.T, S_yy
 
-    @records("y", gate=as_measured)
     def __call__(self, y: Array, sample_time: float, R: Array) -> Array:
         """z (N, q) from y (N, p), both zero and at rest at the ends; NaN marks what is missing."""
         padded = 2 * len(y)
