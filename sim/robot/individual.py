@@ -3,6 +3,7 @@
 import copy
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -130,11 +131,14 @@ class Individual:
 
         Raises ModelError for values for another number of axes.
         """
-        every = {
-            item.name: _spread(item.name, getattr(self, item.name), n_axes)
-            for item in fields(self)
-            if item.name not in ("hidden", *OF_STRUCTURE)
-        }
+        every: dict[str, Any] = {}
+        for name in (item.name for item in fields(self)):
+            if name in ("hidden", *OF_STRUCTURE):
+                continue
+            if (value := getattr(self, name)).ndim and len(value) != n_axes:
+                allowed = f"one number or {n_axes}, one for each axis"
+                raise ModelError(f"{name} must be {allowed}, got {len(value)}")
+            every[name] = np.broadcast_to(value, (n_axes, *_MORE.get(name, ())))
         return replace(self, **every)
 
 
@@ -155,13 +159,6 @@ def _one_or_each(name: str, value: ArrayLike) -> Array:
     each = "hinge" if name in OF_STRUCTURE else "axis"
     rows = f" row of {more[0]}" if more else ""
     raise ValueError(f"{name} must be one number or one{rows} for each {each}, got shape {shape}")
-
-
-def _spread(name: str, value: Array, n_axes: int) -> Array:
-    if value.ndim and len(value) != n_axes:
-        allowed = f"one number or {n_axes}, one for each axis"
-        raise ModelError(f"{name} must be {allowed}, got {len(value)}")
-    return np.broadcast_to(value, (n_axes, *_MORE.get(name, ())))
 
 
 def embodied(
@@ -212,15 +209,20 @@ def with_individual(model: RobotModel, individual: Individual) -> RobotModel:
     stiffen(mj, structure, individual.structure_stiffness)
     mj.dof_damping[mj.jnt_dofadr[gears]] *= individual.gear_damping[: len(gears)]
     mj.dof_damping[mj.jnt_dofadr[structure]] *= np.asarray(individual.structure_damping)
+    motors = {int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id]) for i in numbers}
     for i in numbers:
         tendon = mujoco.mj_name2id(mj, mujoco.mjtObj.mjOBJ_TENDON, f"gear_{i}")
         if tendon >= 0:  # the stiff part of a gear with lost motion, over its joint
             mj.tendon_stiffness[tendon] *= individual.gear_stiffness[i - 1]
             mj.tendon_lengthspring[tendon] *= individual.lost_motion[i - 1]
-        carried = _carried(mj, i)
+        body = int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id])
+        moved = [body]  # up to the next motor; a parent comes before its children
+        for other in range(body + 1, mj.nbody):
+            if other not in motors and int(mj.body_parentid[other]) in moved:
+                moved.append(other)
+        carried = [other for other in moved if mj.body(other).name != "tool"]
         mj.body_mass[carried] *= individual.mass[i - 1]
         mj.body_inertia[carried] *= individual.mass[i - 1]
-        body = int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id])
         mj.body_ipos[body] += individual.centre_of_mass[i - 1]
         mj.body_pos[body] += individual.position[i - 1]
         mujoco.mju_quatIntegrate(mj.body_quat[body], individual.orientation[i - 1], 1.0)
@@ -230,17 +232,6 @@ def with_individual(model: RobotModel, individual: Individual) -> RobotModel:
         amplitude = error.amplitude * individual.gear_error
         model = replace(model, gear_error=replace(error, amplitude=amplitude, phase=phase))
     return model
-
-
-def _carried(mj: mujoco.MjModel, axis: int) -> list[int]:
-    """Bodies that a motor carries up to the next motor, without the tool."""
-    motors = {int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id]) for i in axes_of(mj)}
-    own = int(mj.jnt_bodyid[mj.joint(f"motor_{axis}").id])
-    found = [own]
-    for body in range(own + 1, mj.nbody):  # a parent comes before its children
-        if body not in motors and int(mj.body_parentid[body]) in found:
-            found.append(body)
-    return [body for body in found if mj.body(body).name != "tool"]
 
 
 def as_built(design: RobotModel, individual: Individual) -> RobotModel:
@@ -268,24 +259,18 @@ def with_hinges(
         if hinge.body not in bodies:
             known = f"Bodies: {', '.join(bodies)}"
             raise ModelError(f"a hidden hinge needs a body, got {hinge.body!r}. {known}")
-        body = spec.body(hinge.body)
-        _check_apart(body, hinge)
+        body, position = spec.body(hinge.body), np.array(hinge.position)
+        axis = np.array(hinge.axis) / np.linalg.norm(hinge.axis)
+        for other in body.joints:  # no mass would lie between two hinges on one axis
+            parallel = np.linalg.norm(np.cross(axis, other.axis)) < _SAME_AXIS
+            if parallel and np.linalg.norm(np.cross(axis, position - other.pos)) < _SAME_AXIS:
+                where = f"{other.name} of the body {hinge.body}"
+                raise ModelError(f"a hidden hinge lies on the axis of {where}: move or turn it")
         joint = body.add_joint(name=f"{name}_{i}", type=mujoco.mjtJoint.mjJNT_HINGE)
-        joint.axis, joint.pos = np.array(hinge.axis), np.array(hinge.position)
+        joint.axis, joint.pos = np.array(hinge.axis), position
         joint.stiffness = _linear(hinge.stiffness, joint.stiffness)
         joint.damping = _linear(hinge.damping, joint.damping)
     return robot_model(spec)
-
-
-def _check_apart(body: mujoco.MjsBody, hinge: HiddenHinge) -> None:
-    """Raise ModelError for a hinge on the axis of another: no mass would lie between the two."""
-    axis = np.array(hinge.axis) / np.linalg.norm(hinge.axis)
-    for joint in body.joints:
-        parallel = np.linalg.norm(np.cross(axis, joint.axis)) < _SAME_AXIS
-        apart = np.linalg.norm(np.cross(axis, np.array(hinge.position) - joint.pos))
-        if parallel and apart < _SAME_AXIS:
-            where = f"{joint.name} of the body {hinge.body}"
-            raise ModelError(f"a hidden hinge lies on the axis of {where}: move or turn it")
 
 
 def _linear(coefficient: float, like: Array) -> Array:

@@ -75,7 +75,12 @@ def check_kinematics(
 
     with_imu: D-H model whose last frame is the IMU, compared with the site of that name.
     """
-    _same_axes(model, robot, limits)
+    n = model.posture.shape[1]
+    if not n == robot.n_joints == len(limits.lower):
+        raise ModelError(
+            f"the model has {n} axes, the D-H model {robot.name} {robot.n_joints} and its limits "
+            f"{len(limits.lower)}: they must be as many"
+        )
     phi = configurations(limits)
     T, opening = site_poses(model, phi)
     worst = int(np.argmax(opening))
@@ -101,15 +106,6 @@ def first_axis(model: RobotModel, robot: Robot) -> int | None:
     motion, expected = ours[1:] @ np.linalg.inv(ours[0]), theirs[1:] @ np.linalg.inv(theirs[0])
     differ = np.flatnonzero(_off(*between(motion, expected)))
     return int(differ[0]) + 1 if len(differ) else None
-
-
-def _same_axes(model: RobotModel, robot: Robot, limits: Limits) -> None:
-    n = model.posture.shape[1]
-    if not n == robot.n_joints == len(limits.lower):
-        raise ModelError(
-            f"the model has {n} axes, the D-H model {robot.name} {robot.n_joints} and its limits "
-            f"{len(limits.lower)}: they must be as many"
-        )
 
 
 def _compare(what: str, T: Array, model: RobotModel, robot: Robot, phi: Array) -> None:

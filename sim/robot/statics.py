@@ -175,22 +175,17 @@ def natural_frequencies(model: RobotModel, phi: Array, *, locked: bool) -> Array
     """
     from scipy.linalg import eigh
 
-    M, free = _reduced_inertia(model, phi)
-    K = np.zeros(model.mj.nv)
+    mj, data = model.mj, mujoco.MjData(model.mj)
+    M, free = np.zeros((mj.nv, mj.nv)), free_joints(mj)
+    data.qpos[:] = model.posture @ phi
+    mujoco.mj_forward(mj, data)
+    mujoco.mj_fullM(mj, data, M)
+    Z = Linkage(mj).tangent(data)
+    M = Z.T @ M @ Z  # of motions that keep closed chains closed
+    K = np.zeros(mj.nv)
     K[model.springs] = spring_stiffness(model)
     moving = np.setdiff1d(free, model.motor) if locked else free
     if not len(moving):
         return np.zeros(0)
     omega_squared = eigh(np.diag(K[moving]), M[np.ix_(moving, moving)], eigvals_only=True)
     return np.sqrt(np.maximum(omega_squared, 0.0)) / (2.0 * np.pi)
-
-
-def _reduced_inertia(model: RobotModel, phi: Array) -> tuple[Array, np.ndarray]:
-    """Inertia (nv, nv) of motions that keep closed chains closed, and the joints free in them."""
-    mj, data = model.mj, mujoco.MjData(model.mj)
-    linkage, M = Linkage(mj), np.zeros((mj.nv, mj.nv))
-    data.qpos[:] = model.posture @ phi
-    mujoco.mj_forward(mj, data)
-    mujoco.mj_fullM(mj, data, M)
-    Z = linkage.tangent(data)
-    return Z.T @ M @ Z, free_joints(mj)
