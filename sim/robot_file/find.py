@@ -75,7 +75,13 @@ def load_robot(name: str, *, masses: bool = False) -> KnownRobot:
     file, _, links = name.partition("#")
     base, _, tip = links.rpartition(":")
     if masses and (name in CELLS or is_cell_file(name)):
-        return _weighed(find_cell(name))
+        from ..robot.kinematics_check import cell_model
+        from .mjcf_reader import serial_bodies
+
+        cell = find_cell(name)
+        found = serial_bodies(cell_model(cell), cell.robot)
+        notes = (f"Left out, as no serial arm has it: {body}." for body in found.left_out)
+        return KnownRobot(Arm(cell.robot, cell.limits), found.bodies, tuple(notes))
     if name in CATALOGUE:
         return KnownRobot(CATALOGUE[name])
     if name.endswith(".toml"):
@@ -95,12 +101,3 @@ def _of_tree(tree: UrdfArm) -> KnownRobot:
     if tree.bodies is None:
         return KnownRobot(arm, notes=(_NO_MASSES,))
     return KnownRobot(arm, tree.bodies)
-
-
-def _weighed(cell: Cell) -> KnownRobot:
-    from ..robot.kinematics_check import cell_model
-    from .mjcf_reader import serial_bodies
-
-    found = serial_bodies(cell_model(cell), cell.robot)
-    notes = [f"Left out, as no serial arm has it: {body}." for body in found.left_out]
-    return KnownRobot(Arm(cell.robot, cell.limits), found.bodies, tuple(notes))

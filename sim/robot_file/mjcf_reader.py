@@ -34,6 +34,8 @@ from armside.kinematics.urdf.reader import arm_of
 from ..robot.mjcf import model_name
 from ..robot.model import RobotModel
 
+_ENDS = int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD)
+"""Equalities that join two bodies."""
 HELD = ("flex_", "struct_")
 """Beginnings of the names of springs, which are held at rest."""
 _KINDS = {
@@ -65,9 +67,14 @@ def mjcf_document(mj: mujoco.MjModel, name: str) -> Document:
             links[joint.child] = None
             joints.append(joint)
         links[body_name(mj, body)] = _inertial(mj, body)
-    for joint in _sites(mj):
-        links[joint.child] = None
-        joints.append(joint)
+    taken = {body_name(mj, body) for body in range(mj.nbody)}
+    for site in range(mj.nsite):
+        if name_of := mj.site(site).name:
+            place = _placed(mj.site_pos[site], mj.site_quat[site])
+            mount = _Mount(body_name(mj, int(mj.site_bodyid[site])), place)
+            child = f"site/{name_of}" if name_of in taken else name_of
+            links[child] = None
+            joints.append(_fixed(f"site/{name_of}", mount, child))
     return Document(name, links, tuple(joints))
 
 
@@ -134,20 +141,9 @@ def _leader(mj: mujoco.MjModel, joint: int) -> str | None:
     return None
 
 
-def _sites(mj: mujoco.MjModel) -> Iterator[UrdfJoint]:
-    taken = {body_name(mj, body) for body in range(mj.nbody)}
-    for site in range(mj.nsite):
-        if name := mj.site(site).name:
-            place = _placed(mj.site_pos[site], mj.site_quat[site])
-            mount = _Mount(body_name(mj, int(mj.site_bodyid[site])), place)
-            child = f"site/{name}" if name in taken else name
-            yield _fixed(f"site/{name}", mount, child)
-
-
 def _fixed(name: str, mount: _Mount, child: str) -> UrdfJoint:
-    axis = np.array([0.0, 0.0, 1.0])
-    fixed, limits = Kind.FIXED, (-inf, inf)
-    return UrdfJoint(name, fixed, mount.link, child, mount.place, axis, limits, None, None)
+    axis, limits = np.array([0.0, 0.0, 1.0]), (-inf, inf)
+    return UrdfJoint(name, Kind.FIXED, mount.link, child, mount.place, axis, limits, None, None)
 
 
 def _inertial(mj: mujoco.MjModel, body: int) -> Inertial | Fault | None:
@@ -180,7 +176,8 @@ def read_mjcf(file: Path, base: str | None = None, tip: str | None = None) -> Ur
         raise ValueError(f"there is no file {file}")
     try:
         mj = mujoco.MjSpec.from_file(str(file)).compile()
-        document = mjcf_document(mj, _printable(model_name(mj)))
+        name = model_name(mj)
+        document = mjcf_document(mj, name[:80] if name and name.isprintable() else "robot")
         if tip is None and TOOL in document.links:
             tip = TOOL
         arm = arm_of(document, base, tip)
@@ -191,16 +188,18 @@ def read_mjcf(file: Path, base: str | None = None, tip: str | None = None) -> Ur
     return arm
 
 
-def _printable(name: str) -> str:
-    return name[:80] if name and name.isprintable() else "robot"
-
-
 def _refuse_loops(mj: mujoco.MjModel, arm: UrdfArm) -> None:
     """Raise ValueError for a joint of the chain that an equality takes part in closing."""
     for i in range(mj.neq):
         if not mj.eq_active0[i]:
             continue
-        for joint in np.flatnonzero(_closing(mj, i)):
+        ends = int(mj.eq_obj1id[i]), int(mj.eq_obj2id[i])
+        if int(mj.eq_type[i]) not in _ENDS:
+            continue
+        if mj.eq_objtype[i] == mujoco.mjtObj.mjOBJ_SITE:
+            ends = int(mj.site_bodyid[ends[0]]), int(mj.site_bodyid[ends[1]])
+        one, other = (_moving(mj, body) for body in ends)
+        for joint in np.flatnonzero(one ^ other):
             name = joint_name(mj, int(joint))
             if name in arm.joints:
                 equality = mj.equality(i).name or f"equality {i}"
@@ -208,18 +207,6 @@ def _refuse_loops(mj: mujoco.MjModel, arm: UrdfArm) -> None:
                     f"joint {name!r} is part of a closed chain ({equality}); "
                     "joints must be independent"
                 )
-
-
-def _closing(mj: mujoco.MjModel, equality: int) -> np.ndarray:
-    """(njnt,) bool: joints between the two bodies that an equality connects or welds."""
-    kind = mujoco.mjtEq(int(mj.eq_type[equality]))
-    ends = int(mj.eq_obj1id[equality]), int(mj.eq_obj2id[equality])
-    if kind not in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
-        return np.zeros(mj.njnt, dtype=bool)
-    if mj.eq_objtype[equality] == mujoco.mjtObj.mjOBJ_SITE:
-        ends = int(mj.site_bodyid[ends[0]]), int(mj.site_bodyid[ends[1]])
-    one, other = (_moving(mj, body) for body in ends)
-    return one ^ other
 
 
 def _moving(mj: mujoco.MjModel, body: int) -> np.ndarray:
