@@ -7,7 +7,6 @@ import mujoco
 import numpy as np
 import pytest
 
-from armside import assets
 from armside.sim.robot.effects import Effect, with_effects
 from armside.sim.robot.individual import (
     Individual,
@@ -15,7 +14,6 @@ from armside.sim.robot.individual import (
     with_individual,
     with_payload,
 )
-from armside.sim.robot.model import load_model
 from armside.sim.robot.spread import PRODUCTION, Spread, draw
 
 POSE = np.deg2rad([3.5, 7.8, 12.4, 18.2, -9.2, -11.6])
@@ -23,8 +21,8 @@ AXES = range(1, 7)
 
 
 @pytest.fixture(scope="module")
-def design():
-    return with_effects(load_model(assets.LARGE_ROBOT_XML), set(Effect), phi=POSE)
+def design(design):
+    return with_effects(design, set(Effect), phi=POSE)
 
 
 def factors(seed, *shape):
