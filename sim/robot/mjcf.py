@@ -87,6 +87,15 @@ def scalar(mj: mujoco.MjModel, name: str, default: float | None = None) -> float
     return float(numeric(mj, name, 1)[0])
 
 
+def mass_matrix(mj: mujoco.MjModel, qpos: Array, data: mujoco.MjData | None = None) -> Array:
+    """(nv, nv) inertia of all joints at positions (nq,); `data` is left there, after mj_forward."""
+    data, M = data or mujoco.MjData(mj), np.zeros((mj.nv, mj.nv))
+    data.qpos[:] = qpos
+    mujoco.mj_forward(mj, data)
+    mujoco.mj_fullM(mj, data, M)
+    return M
+
+
 def write_robot(file: Path, spec: mujoco.MjSpec) -> None:
     """Write a robot's MJCF, includes inserted. Meshes stay where they are, by absolute path."""
     own = spec.copy()

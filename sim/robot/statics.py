@@ -13,6 +13,7 @@ import numpy as np
 from armside.arrays import Array
 
 from .linkage import Linkage, free_joints
+from .mjcf import mass_matrix
 from .model import RobotModel
 from .servo import interpolate
 
@@ -176,10 +177,7 @@ def natural_frequencies(model: RobotModel, phi: Array, *, locked: bool) -> Array
     from scipy.linalg import eigh
 
     mj, data = model.mj, mujoco.MjData(model.mj)
-    M, free = np.zeros((mj.nv, mj.nv)), free_joints(mj)
-    data.qpos[:] = model.posture @ phi
-    mujoco.mj_forward(mj, data)
-    mujoco.mj_fullM(mj, data, M)
+    M, free = mass_matrix(mj, model.posture @ phi, data), free_joints(mj)
     Z = Linkage(mj).tangent(data)
     M = Z.T @ M @ Z  # of motions that keep closed chains closed
     K = np.zeros(mj.nv)

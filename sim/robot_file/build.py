@@ -14,6 +14,7 @@ import numpy as np
 from armside import kinematics
 from armside.kinematics import Limits
 
+from ..robot.mjcf import mass_matrix
 from .body_frames import frames
 from .drive_rules import RigidArm, drives
 from .hardware import Hardware, Report, StructureHinge, Taken
@@ -127,11 +128,10 @@ def _structure(
     if not free:
         return []
     mj = _compiled(rigid_mjcf(replace(tree, structure=free), hardware))
-    data, M = mujoco.MjData(mj), np.zeros((mj.nv, mj.nv))
+    qpos = np.zeros(mj.nq)
     for i, angle in enumerate(arm.home, 1):
-        data.qpos[mj.joint(f"motor_{i}").qposadr[0]] = angle
-    mujoco.mj_forward(mj, data)
-    mujoco.mj_fullM(mj, data, M)
+        qpos[mj.joint(f"motor_{i}").qposadr[0]] = angle
+    M = mass_matrix(mj, qpos)
     found, rule = [], "2 damping_ratio times the root of stiffness times inertia at home"
     for hinge in hardware.structure:
         if (damping := hinge.damping) is None:

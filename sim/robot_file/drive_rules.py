@@ -13,6 +13,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.kinematics import Joint, Limits
 
+from ..robot.mjcf import mass_matrix
 from .body_frames import Frame
 from .hardware import DRIVES, GEARS, Hardware, Report
 
@@ -32,11 +33,7 @@ class RigidArm:
     @cached_property
     def mass_matrix(self) -> Array:
         """(n, n) [kg m^2] at home."""
-        data, M = mujoco.MjData(self.mj), np.zeros((self.mj.nv, self.mj.nv))
-        data.qpos[:] = self.home
-        mujoco.mj_forward(self.mj, data)
-        mujoco.mj_fullM(self.mj, data, M)
-        return M
+        return mass_matrix(self.mj, self.home)
 
     @property
     def inertia(self) -> Array:

@@ -46,12 +46,8 @@ _KINDS = {
 }
 
 
-@dataclass(frozen=True)
-class _Mount:
-    """Link that the next joint is mounted on, and the place (4, 4) of its frame there."""
-
-    link: str
-    place: Array
+Mount = tuple[str, Array]
+"""Link that the next joint is mounted on, and the place (4, 4) of its frame there."""
 
 
 def mjcf_document(mj: mujoco.MjModel, name: str) -> Document:
@@ -71,7 +67,7 @@ def mjcf_document(mj: mujoco.MjModel, name: str) -> Document:
     for site in range(mj.nsite):
         if name_of := mj.site(site).name:
             place = _placed(mj.site_pos[site], mj.site_quat[site])
-            mount = _Mount(body_name(mj, int(mj.site_bodyid[site])), place)
+            mount = body_name(mj, int(mj.site_bodyid[site])), place
             child = f"site/{name_of}" if name_of in taken else name_of
             links[child] = None
             joints.append(_fixed(f"site/{name_of}", mount, child))
@@ -91,18 +87,19 @@ def joint_name(mj: mujoco.MjModel, joint: int) -> str:
 def _body_joints(mj: mujoco.MjModel, body: int) -> Iterator[UrdfJoint]:
     own, first = body_name(mj, body), int(mj.body_jntadr[body])
     place = _placed(mj.body_pos[body], mj.body_quat[body])
-    mount = _Mount(body_name(mj, int(mj.body_parentid[body])), place)
+    mount = body_name(mj, int(mj.body_parentid[body])), place
     for joint in range(first, first + int(mj.body_jntnum[body])):
         if not joint_name(mj, joint).startswith(HELD):
             yield _joint(mj, joint, mount, f"{own}/{joint_name(mj, joint)}")
             back = transform(np.eye(3), -mj.jnt_pos[joint])
-            mount = _Mount(f"{own}/{joint_name(mj, joint)}", back)
+            mount = f"{own}/{joint_name(mj, joint)}", back
     yield _fixed(f"{own}/body", mount, own)
 
 
-def _joint(mj: mujoco.MjModel, joint: int, mount: _Mount, child: str) -> UrdfJoint:
+def _joint(mj: mujoco.MjModel, joint: int, mount: Mount, child: str) -> UrdfJoint:
     kind, axis = _KINDS[mujoco.mjtJoint(int(mj.jnt_type[joint]))], np.array(mj.jnt_axis[joint])
-    origin = mount.place @ transform(np.eye(3), mj.jnt_pos[joint])
+    parent, place = mount
+    origin = place @ transform(np.eye(3), mj.jnt_pos[joint])
     reference = float(mj.qpos0[mj.jnt_qposadr[joint]])
     if kind is Kind.REVOLUTE:
         origin = origin @ transform(rotation.from_axis_angle(axis, -reference), np.zeros(3))
@@ -111,7 +108,7 @@ def _joint(mj: mujoco.MjModel, joint: int, mount: _Mount, child: str) -> UrdfJoi
     return UrdfJoint(
         name=joint_name(mj, joint),
         kind=kind,
-        parent=mount.link,
+        parent=parent,
         child=child,
         origin=origin,
         axis=axis,
@@ -141,9 +138,9 @@ def _leader(mj: mujoco.MjModel, joint: int) -> str | None:
     return None
 
 
-def _fixed(name: str, mount: _Mount, child: str) -> UrdfJoint:
+def _fixed(name: str, mount: Mount, child: str) -> UrdfJoint:
     axis, limits = np.array([0.0, 0.0, 1.0]), (-inf, inf)
-    return UrdfJoint(name, Kind.FIXED, mount.link, child, mount.place, axis, limits, None, None)
+    return UrdfJoint(name, Kind.FIXED, mount[0], child, mount[1], axis, limits, None, None)
 
 
 def _inertial(mj: mujoco.MjModel, body: int) -> Inertial | Fault | None:
