@@ -68,14 +68,10 @@ def with_effects(
     friction: FrictionFactors = FrictionFactors(),
     temperature: float | None = None,
 ) -> RobotModel:
-    """The robot with these effects added.
+    """The robot with these effects; load friction is that of the holding torque at phi (n,) [rad].
 
-    Args:
-        phi: (n,) [rad], motor angles at which the holding torque of load friction is computed.
-        friction: of this robot individual.
-        temperature: of the gears [deg C]; that of the robot's file if None.
-
-    Raises ValueError for a temperature out of range, or without friction that depends on it.
+    temperature: of the gears [deg C]; that of the robot's file if None. Raises ValueError for one
+    out of range, or without friction that depends on it.
     """
     if temperature is not None:
         if Effect.LOAD_FRICTION not in effects:
@@ -134,12 +130,9 @@ TEMPERATURES = (26.0, 80.0)
 
 
 def load_friction(load: Array, temperature: float) -> tuple[Array, Array, float, float]:
-    """Friction of a drive at a load, both relative to the peak torque.
+    """Coulomb and static friction, as `load` over the peak torque; viscous [s/rad]; Stribeck speed.
 
-    temperature: [deg C], of the gear.
-
-    Returns:
-        Coulomb and static friction, shape of `load`; viscous [s/rad]; Stribeck speed [rad/s].
+    temperature: [deg C], of the gear. The Stribeck speed is in [rad/s].
     """
     load = np.abs(load)
     coulomb = _FC0 + _FCL * load

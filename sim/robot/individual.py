@@ -170,12 +170,9 @@ def embodied(
     payload: float | None = None,
     temperature: float | None = None,
 ) -> RobotModel:
-    """Robot model of an individual of a design.
+    """Robot model of an individual, its load friction that of the holding torque at phi (n,) [rad].
 
-    Args:
-        phi: (n,) [rad], motor angles at which the holding torque of load friction is computed.
-        payload: mass of the tool [kg]; that of the design if None.
-        temperature: of the gears [deg C]; that of the design if None.
+    payload: mass of the tool [kg], temperature: of the gears [deg C]; those of the design if None.
     """
     individual = individual.of(design.n_axes)
     model = with_hinges(design, individual.hidden) if individual.hidden else design
@@ -189,10 +186,7 @@ def embodied(
 
 
 def with_individual(model: RobotModel, individual: Individual) -> RobotModel:
-    """Robot model of an individual of the design `model`, which has its effects already.
-
-    Hidden hinges, and what needs the law of load friction, are those of `embodied`.
-    """
+    """Robot model of an individual of the design `model`, with its effects and hidden hinges."""
     individual = individual.of(model.n_axes)
     model = with_friction(model, individual.friction)
     numbers = axes_of(model.mj)
@@ -235,10 +229,7 @@ def with_individual(model: RobotModel, individual: Individual) -> RobotModel:
 
 
 def as_built(design: RobotModel, individual: Individual) -> RobotModel:
-    """Individual of a design without effects, whose parsed file has the individual's numbers too.
-
-    The tool is that of the design's file. Raises ModelError as `with_hinges`.
-    """
+    """Individual of a design without effects and its tool, with the parsed file of its numbers."""
     model = with_individual(with_hinges(design, individual.hidden), individual)
     spec = model.parsed()
     spec.copy_back(model.mj)
@@ -250,8 +241,7 @@ def with_hinges(
 ) -> RobotModel:
     """Design with further elastic hinges in its structure, called NAME_0 and so on.
 
-    Raises ModelError for a body that the design lacks, a hinge on the axis of another joint of its
-    body, or a model without its parsed file.
+    Raises ModelError for a body that it lacks, a hinge on the axis of another, or no parsed file.
     """
     spec = design.parsed()
     bodies = [body.name for body in spec.bodies if body.name not in ("", "world")]
@@ -298,10 +288,7 @@ def stiffen(mj: mujoco.MjModel, springs: Sequence[int], factor: ArrayLike) -> No
 
 
 def with_payload(model: RobotModel, mass: float) -> RobotModel:
-    """Robot model with a tool of that mass [kg]: same centre of mass, inertia in proportion.
-
-    Raises ValueError for a negative mass, or a robot whose model has no body `tool` of its own.
-    """
+    """Robot model with a tool of that mass [kg], inertia in proportion, or ValueError."""
     if not (np.isfinite(mass) and mass >= 0.0):
         raise ValueError(f"payload must be >= 0 kg, got {mass:g}")
     mj = copy.copy(model.mj)

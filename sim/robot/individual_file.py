@@ -37,12 +37,7 @@ PARAMETERS = tuple(field.name for field in fields(Individual) if field.name != "
 
 
 def read_individual(file: Path) -> Individual:
-    """Individual of a file.
-
-    Raises:
-        ValueError: the file is not as described above; the message names file and field.
-        OSError: the file cannot be read.
-    """
+    """Individual of a file. Raises ValueError with file and field for a wrong one."""
     if not file.is_file():
         raise ValueError(f"{file} is no file; an individual is a number >= 0 or a TOML file")
     with file.open("rb") as content:

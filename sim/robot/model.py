@@ -79,10 +79,7 @@ class RobotModel:
 
 
 def load_model(source: Path | str | mujoco.MjModel) -> RobotModel:
-    """Robot model of an MJCF file, which is parsed once, or of a compiled model.
-
-    Raises ModelError when the file does not compile or lacks a name.
-    """
+    """Robot model of an MJCF file or a compiled model. Raises ModelError for one that is none."""
     if isinstance(source, mujoco.MjModel):
         return _named(None, source)
     try:

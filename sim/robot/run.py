@@ -125,10 +125,7 @@ def run_batch(
     *,
     threads: int = 1,
 ) -> list[Recording]:
-    """Run several loaded references of equal length, each on its own model, in one rollout.
-
-    The result does not depend on the number of threads.
-    """
+    """Run several loaded references of equal length in one rollout, whatever the threads."""
     applied = [
         np.zeros_like(x.reference)
         if u is None
@@ -240,8 +237,7 @@ def truth(
 ) -> tuple[Truth, Limits]:
     """Ground truth of one run. Sensor row i belongs to time i h, state row i to (i + 1) h.
 
-    It takes the full physics state at the start, controls (M, nu) in motor units as they were run,
-    and states and sensors (M, ...) as the rollout returns them.
+    controls: (M, nu) in motor units; states, sensors: (M, ...), as the rollout returns them.
     """
     time: Array = np.arange(len(states), dtype=np.float64) * model.timestep
     drives, nq, nv = model.drives, model.mj.nq, model.mj.nv

@@ -105,10 +105,7 @@ class Statics:
         return moved
 
     def equilibrium(self, phi: Array) -> Equilibrium:
-        """Static equilibrium with the motors held at phi, (n,) [rad].
-
-        Raises RuntimeError when the springs cannot balance the load.
-        """
+        """Static equilibrium with the motors held at phi, (n,) [rad]; RuntimeError without one."""
         data, motor, springs = self._data, self.model.motor, self.model.springs
         data.qvel[:] = data.qacc[:] = 0.0
         data.qpos[:] = self.model.posture @ phi
@@ -141,13 +138,10 @@ calibration of the large robot. ESTIMATE."""
 
 
 def anticipated_shift(nominal: Statics, phi: Array, period: float) -> Array:
-    """Elastic deflection of the tool that the reference compensates.
+    """Elastic deflection (N, 3) [m], base axes, to subtract from the programmed tool positions.
 
     The controller's model is too stiff: it has the fraction `Drives.elastic_compensation` of the
-    quasi-static deflection by gravity and the rigid motion. (N, 3) [m], base axes, to be subtracted
-    from the programmed tool positions.
-
-    phi: (N, n) [rad], motor angles of the programmed path, every `period` [s].
+    quasi-static deflection. phi: (N, n) [rad], of the programmed path, every `period` [s].
     """
     _, phi_dot, phi_ddot = interpolate(phi, period, 1)
     forces = nominal.rigid_forces(phi, phi_dot, phi_ddot)
@@ -166,13 +160,10 @@ def smoothed(shift: Array) -> Array:
 
 
 def natural_frequencies(model: RobotModel, phi: Array, *, locked: bool) -> Array:
-    """Undamped natural frequencies [Hz], ascending, at motor angles phi (n,) [rad].
+    """Undamped natural frequencies [Hz], ascending, at motor angles phi (n,) [rad], springs at zero.
 
-    M q'' + K q = 0 about every spring at zero, in the joints that a closed chain leaves free. K has
-    the springs of gears and structure, those of a gear with lost motion as they are under load.
-
-    locked: the motors are held; otherwise they turn freely, without servo, and each has a motion of
-    0 Hz.
+    Gears with lost motion are as stiff as under load. locked: the motors are held; otherwise they
+    turn freely, without servo, and each has a motion of 0 Hz.
     """
     from scipy.linalg import eigh
 

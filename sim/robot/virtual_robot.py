@@ -44,10 +44,7 @@ class VirtualRobot:
     def __init__(
         self, model: RobotModel, *, nominal: Statics | None = None, log_period: float = LOG_PERIOD
     ) -> None:
-        """Args:
-        nominal: model of the controller's torque feedforward; that of the robot itself if None.
-        log_period: [s], a whole number of physics steps.
-        """
+        """nominal: model of the torque feedforward; that of the robot itself if None."""
         self.model = model
         self.log_period = log_period
         self._statics = Statics(model)
@@ -64,13 +61,10 @@ class VirtualRobot:
     def load(self, reference: Array | Commanded, *, motors_on_at: float = 0.0) -> LoadedReference:
         """Prepare the servo's inputs for a reference, starting at rest in static equilibrium.
 
-        Args:
-            reference: (N, n) [rad], r at the log rate, arm-side motor angles; at rest at both ends.
-                Or what the controller of another individual of the same robot made of it.
-            motors_on_at: [s]; before it the brakes hold the arm and the drives carry no current.
-
-        Raises ValueError for a wrong shape, values that are not finite, a robot without the brakes
-        asked for, or a load at the tool that its drives cannot hold.
+        reference: (N, n) [rad], r at the log rate, arm-side motor angles, at rest at both ends; or
+        what the controller of another individual made of it. motors_on_at: [s]; before it the
+        brakes hold the arm. Raises ValueError for a wrong reference, a robot without brakes, or a
+        load that its drives cannot hold.
         """
         asked = reference if isinstance(reference, Commanded) else self.commanded(reference)
         model, drives = self.model, self.model.drives

@@ -34,10 +34,7 @@ class Frame:
 
 
 def frames(robot: kinematics.Robot) -> list[Frame]:
-    """Bodies of a robot from the base on.
-
-    Raises ValueError for a coupling between motors, which a chain of bodies does not have.
-    """
+    """Bodies of a robot from the base on. Raises ValueError for a coupling between motors."""
     signs = np.diag(robot.coupling)
     if not np.array_equal(np.abs(robot.coupling), np.eye(len(signs))):
         raise ValueError(

@@ -42,13 +42,9 @@ def build(
 ) -> Built:
     """MJCF of a robot with its hardware, and the estimates in it.
 
-    Args:
-        home: motor angles [rad] at which inertias are taken; the zero pose, or the place within
-            the limits nearest to it, if None.
-        with_imu: the robot with constant links to its IMU; the IMU is at the tool if None.
-
-    Raises:
-        ValueError: a coupling between motors, or numbers that contradict each other.
+    home: motor angles [rad] at which inertias are taken; the place within the limits nearest to
+    zero if None. with_imu: the robot with constant links to its IMU, which is at the tool if None.
+    Raises ValueError for a coupling between motors, or numbers that contradict each other.
     """
     chain, report = frames(robot), Report()
     found = masses(hardware, chain, report)

@@ -12,12 +12,7 @@ _NO_MASSES = "The source has no masses, or some beside the chain move."
 
 
 def find_cell(robot: str) -> Cell:
-    """Cell of a name, or of a robot file.
-
-    Raises:
-        ValueError: neither, or a wrong file; the message names file and field.
-        OSError: the file cannot be read.
-    """
+    """Cell of a name, or of a robot file. Raises ValueError with file and field, or OSError."""
     check_named(robot)
     return CELLS[robot] if robot in CELLS else read_cell(Path(robot))
 
@@ -30,12 +25,7 @@ def check_named(robot: str) -> None:
 
 
 def read_cell(file: Path) -> Cell:
-    """Cell of a robot file, as `armside.sim.robot_file.cell_tables` describes it.
-
-    Raises:
-        ValueError: the file is not as described there; the message names file and field.
-        OSError: the file cannot be read.
-    """
+    """Cell of a robot file. Raises ValueError with file and field, or OSError."""
     from armside.kinematics.robot_file import read_toml
 
     from .cell_tables import cell_of

@@ -51,11 +51,7 @@ Mount = tuple[str, Array]
 
 
 def mjcf_document(mj: mujoco.MjModel, name: str) -> Document:
-    """Document of a model, whose root link is `world`.
-
-    Raises:
-        ValueError: a slide has no range; names the joint.
-    """
+    """Document of a model, its root link `world`. Raises ValueError for a slide without range."""
     links: dict[str, Inertial | Fault | None] = {"world": None}
     joints: list[UrdfJoint] = []
     for body in range(1, mj.nbody):
@@ -164,10 +160,7 @@ def read_mjcf(file: Path, base: str | None = None, tip: str | None = None) -> Ur
 
     base: the world by default. tip: the site `tool0` where there is one, else the only end.
     Springs (flex_*, struct_*) are held at rest. A file has no greatest speeds: they are pi rad/s.
-
-    Raises:
-        ValueError: the file does not compile, or its chain is no serial arm; has file and element.
-        OSError: the file cannot be read.
+    Raises ValueError, with file and element, where it is no serial arm, or OSError.
     """
     if not file.is_file():
         raise ValueError(f"there is no file {file}")
@@ -233,8 +226,7 @@ class SerialBodies:
 def serial_bodies(model: RobotModel, robot: Robot) -> SerialBodies:
     """Bodies on the D-H links of the robot that the model is the hardware of, springs at rest.
 
-    Raises:
-        ValueError: the chain of the model to its tool has another number of joints.
+    Raises ValueError where the chain of the model to its tool has another number of joints.
     """
     document = mjcf_document(model.mj, model_name(model.mj))
     groups, left_out = _groups(document, chain(document, None, "tool0"))

@@ -91,11 +91,7 @@ _SLACK = 1e-9  # relative rounding below the triangle inequality
 
 
 def read_hardware(data: Mapping[str, Any], n_axes: int) -> Hardware:
-    """Hardware of the tables of a robot file.
-
-    Raises:
-        ValueError: a wrong table; the message names table and key, and what is allowed.
-    """
+    """Hardware of the tables of a robot file. Raises ValueError with table and key."""
     whole = table("hardware", data.get("hardware", {}), _WHOLE)
     gears = dict(table("gears", data.get("gears", {}), (*GEARS, "rigid")))
     rigid = gears.pop("rigid", False)
@@ -142,10 +138,7 @@ def _body(where: str, row: Any) -> LinkBody:
 
 
 def _inertia(where: str, value: Any) -> Six:
-    """xx, yy, zz, xy, xz, yz [kg m^2] of three or six numbers of a file.
-
-    Raises ValueError for an inertia that no body has; the message names the field.
-    """
+    """xx, yy, zz, xy, xz, yz [kg m^2] of three or six numbers of a file, which some body has."""
     if isinstance(value, list) and len(value) == 3:
         value = [*value, 0, 0, 0]
     if not isinstance(value, list) or len(value) != 6:
