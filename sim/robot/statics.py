@@ -160,7 +160,7 @@ def smoothed(shift: Array) -> Array:
 
 
 def natural_frequencies(model: RobotModel, phi: Array, *, locked: bool) -> Array:
-    """Undamped natural frequencies [Hz], ascending, at motor angles phi (n,) [rad], springs at zero.
+    """Undamped natural frequencies [Hz], ascending, at motor angles phi (n,) [rad].
 
     Gears with lost motion are as stiff as under load. locked: the motors are held; otherwise they
     turn freely, without servo, and each has a motion of 0 Hz.
