@@ -26,6 +26,9 @@ LISTED = 20
 def results(done: Calibration) -> dict[str, Any]:
     """Entries of summary.json. SI units."""
     found, errors = done.identifiable, done.full.problem.choice.joint_errors
+    fit, lengths = done.geometry, dict(done.geometry.problem.model.parameters)
+    values = fit.x * fit.problem.scale
+    rows = zip(fit.problem.names, values, fit.standard_deviations, strict=True)
     return {
         "held_out": {name: done.errors(name)._asdict() for name in FITS},
         "poses": {"fitted": len(done.fitted), "held_out": len(done.held_out)},
@@ -34,29 +37,21 @@ def results(done: Calibration) -> dict[str, Any]:
         "weakest": found.chosen.weakest,
         "singular_values": found.chosen.values,
         "redundant": [{"name": d.name, "same_as": d.same_as} for d in found.redundant],
-        "parameters": _parameters(done),
+        "parameters": [
+            {
+                "name": name,
+                "value": float(value),
+                "standard_deviation": float(deviation),
+                "unit": "m" if lengths.get(name, True) else "rad",
+            }
+            for name, value, deviation in rows
+        ],
         "joint_errors": {"harmonics": errors.harmonics, "compliance": errors.compliance},
-        "noise": done.geometry.noise,
+        "noise": fit.noise,
         "inside": float(done.inside.mean()),
         "n_outliers": len(done.outliers),
         "outliers": [outlier._asdict() for outlier in done.outliers[:LISTED]],
     }
-
-
-def _parameters(done: Calibration) -> list[dict[str, Any]]:
-    fit = done.geometry
-    names = fit.problem.names
-    lengths = dict(fit.problem.model.parameters)
-    rows = zip(names, fit.x * fit.problem.scale, fit.standard_deviations, strict=True)
-    return [
-        {
-            "name": name,
-            "value": float(value),
-            "standard_deviation": float(deviation),
-            "unit": "m" if lengths.get(name, True) else "rad",
-        }
-        for name, value, deviation in rows
-    ]
 
 
 def tables(report: Report, outcome: dict[str, Any]) -> None:
@@ -119,16 +114,15 @@ def write(folder: RunFolder, done: Calibration, arm: Arm, number: int, seed: int
 
 def draw_residuals(file: Path, done: Calibration) -> None:
     """Distribution of the held-out errors, and where in the workspace they lie."""
-    with panels(file, (11, 4.5), 1, 2) as (left, right):
-        for name, color in zip(FITS, COLORS, strict=False):
+    with panels(file, (11, 4.5), 1, 2, legends=[0]) as (left, right):
+        for name in FITS:
             length = done.residuals(name)
             values = 1e3 * np.sort(length[np.isfinite(length)])
             style = "--" if name == "full" else "-"  # it may be the geometry
-            left.plot(values, np.linspace(0, 100, len(values)), style, color=color, label=name)
+            left.plot(values, np.linspace(0, 100, len(values)), style, label=name)
         left.set(xlabel="held-out error [mm]", ylabel="poses [%]", title="Fraction below an error")
         left.set(xlim=(0, None), ylim=(0, 100))
         left.grid(True)
-        left.legend()
         length = 1e3 * np.nanmean(done.residuals("full"), axis=1)
         title, top = "Error of the full model", float(np.quantile(length, 0.98))
         _workspace(right, title, _places(done), length, extend="max", vmax=top)
@@ -144,8 +138,9 @@ def draw_region(file: Path, done: Calibration) -> None:
         left.legend(loc="upper right", frameon=True)
         for i, values in enumerate(done.region.values, 1):
             right.plot(values, np.full(len(values), i), "|", color=COLORS[0], alpha=0.4)
-        right.set(xlabel="joint variable [rad]", ylabel="joint")
-        right.set_title("Fitted values of each joint")
+        right.set(
+            xlabel="joint variable [rad]", ylabel="joint", title="Fitted values of each joint"
+        )
         right.invert_yaxis()
 
 
@@ -154,8 +149,8 @@ def _workspace(
 ) -> None:
     """Values [mm] in colour at places (H, 2) [m] of the workspace."""
     dots = axes.scatter(*p.T, c=values, s=9, cmap="viridis", vmin=0, **look)
-    axes.set(xlabel="distance from the base axis [m]", ylabel="height [m]", aspect="equal")
-    axes.set_title(title)
+    label = "distance from the base axis [m]"
+    axes.set(title=title, xlabel=label, ylabel="height [m]", aspect="equal")
     axes.figure.colorbar(dots, ax=axes, label=f"{title.lower()} [mm]", extend=extend)
 
 

@@ -3,13 +3,14 @@
 Colours are those of Okabe and Ito, which stay apart in colour-blind eyes; markers differ too.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -21,6 +22,7 @@ MARKERS = ("o", "s", "^", "D", "v", "P")
 INK = "#333333"
 REFERENCE = "#9A9A9A"
 STYLE: dict[Any, Any] = {
+    "axes.prop_cycle": cycler(color=COLORS),
     "axes.titlelocation": "left",
     "axes.titlesize": 9,
     "grid.color": "#DDDDDD",
@@ -39,18 +41,24 @@ def panels(
     columns: int = 1,
     *,
     title: str = "",
-    edges: tuple[float, float, float, float] | None = None,
+    titles: Sequence[str] = (),
+    labels: tuple[str, str] = ("", ""),
+    legends: Sequence[int] = (),
+    edges: Sequence[float] | None = None,
     gaps: tuple[float | None, float | None] = (None, None),
     large: bool = False,
+    ruled: bool = False,
     **shared: Any,
 ) -> Iterator[Any]:
     """Axes of a new figure, row by row, in our style; saved when the block ends well.
 
-    size: width and height [inch]. edges: left, right, bottom, top, as fractions of it; None: found
-    by matplotlib. gaps: between columns and rows, over the size of a panel. large: titles of
-    panels and legends. shared: options of `Figure.subplots`.
+    Curves take the colours in turn. size: width and height [inch]. titles: of panels. labels: of
+    the outer axes. legends: indices of panels that have one. edges: left, right, bottom, top, as
+    fractions; None: found by matplotlib. gaps: between columns and rows, over the size of a panel.
+    large: titles of panels and legends. ruled: with grid lines. shared: of `Figure.subplots`.
     """
-    with mpl.rc_context(STYLE | (LARGE if large else {})):
+    look: dict[Any, Any] = {**STYLE, **(LARGE if large else {}), "axes.grid": ruled}
+    with mpl.rc_context(look):
         figure = new_figure(*size)
         if title:
             figure.suptitle(title, x=0.02, ha="left")
@@ -60,7 +68,15 @@ def panels(
         else:
             sides = dict(zip(("left", "right", "bottom", "top"), edges, strict=True))
             figure.subplots_adjust(**sides, wspace=gaps[0], hspace=gaps[1])
+        for axes in grid[-1]:
+            axes.set_xlabel(labels[0])
+        for axes in grid[:, 0]:
+            axes.set_ylabel(labels[1])
+        for axes, name in zip(grid.flat, titles, strict=False):
+            axes.set_title(name)
         yield grid.ravel()
+        for i in legends:
+            grid.flat[i].legend()
         save(figure, file)
 
 
@@ -73,29 +89,26 @@ def tiles(
     *,
     edges: tuple[float, float, float, float],
     gaps: tuple[float, float],
-    labels: tuple[str, str],
     **shared: Any,
 ) -> Iterator[Any]:
     """As `panels`, for n panels of width and height `tile` in some columns, all in [inch].
 
-    The sizes are given, as a layout engine would draw everything twice. labels: of the outer axes.
+    The sizes are given, as a layout engine would draw everything twice.
     """
     columns = min(columns, n)
     rows = -(-n // columns)
     (left, right, bottom, top), (gap_x, gap_y) = edges, gaps
     width = left + columns * tile[0] + (columns - 1) * gap_x + right
     height = bottom + rows * tile[1] + (rows - 1) * gap_y + top
-    fractions = left / width, 1.0 - right / width, bottom / height, 1.0 - top / height
-    between = gap_x / tile[0], gap_y / tile[1]
-    size = width, height
-    with panels(file, size, rows, columns, edges=fractions, gaps=between, **shared) as grid:
+    sides = left / width, 1.0 - right / width, bottom / height, 1.0 - top / height
+    between, size = (gap_x / tile[0], gap_y / tile[1]), (width, height)
+    with panels(file, size, rows, columns, edges=sides, gaps=between, **shared) as grid:
         yield grid[:n]
         for axes in grid[n:]:
             axes.set_visible(False)
-        for axes in (grid if "sharex" in shared else grid[:n])[-columns:]:
-            axes.set_xlabel(labels[0])
-        for axes in grid[::columns]:
-            axes.set_ylabel(labels[1])
+        if "sharex" not in shared:  # the lowest of each column has the label
+            for axes in grid[n - columns : n]:
+                axes.set_xlabel(grid[-1].get_xlabel())
 
 
 def new_figure(width: float, height: float) -> Figure:

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 
-from armside.arrays import Array
 from armside.sim.robot.mjcf import AXES
 from armside.sim.robot.virtual_robot import LOG_PERIOD
 from armside.sim.twin.commission import SENSORS, CommissionedTwin
@@ -37,39 +36,29 @@ def friction(file: Path, found: CommissionedTwin, cuts: Sequence[MeasuredCut]) -
         f"Friction of {cut.name}: measured, and the twin's curve of steady sliding.\n"
         "Near zero speed the bristles give way first: points lie beside the curve."
     )
-    edges = 0.08, 0.985, 0.11, 0.84
-    with panels(file, (9.6, 5.4), 2, 3, edges=edges, gaps=(0.28, 0.42), large=True) as grid:
+    titles, labels = [f"axis {i}" for i in AXES], ("motor speed [rad/s]", "torque [N m]")
+    look = {"edges": (0.08, 0.985, 0.11, 0.84), "gaps": (0.28, 0.42), "large": True}
+    with panels(file, (9.6, 5.4), 2, 3, titles=titles, labels=labels, **look) as grid:
         grid[0].figure.suptitle(title, x=0.02, ha="left", fontsize=10)
         for i, axes in enumerate(grid):
             x, y = speed[cut.moving, i], data[cut.moving, i]
             axes.plot(x, y, ".", ms=2, color=COLORS[5], label="measured")
             x = np.linspace(-1.0, 1.0, _CURVE) * np.abs(x).max()
-            axes.plot(x, _stribeck(x, constants[:, i]), color=COLORS[1], lw=1.5, label="twin")
-            axes.set_title(f"axis {AXES[i]}", color=INK)
-            if i % 3 == 0:
-                axes.set_ylabel("torque [N m]")
-            if i >= 3:
-                axes.set_xlabel("motor speed [rad/s]")
+            coulomb, static, stribeck = constants[2:, i]  # steady-state friction of LuGre
+            steady = coulomb + (static - coulomb) * np.exp(-((x / stribeck) ** 2))
+            axes.plot(x, np.sign(x) * steady, color=COLORS[1], lw=1.5, label="twin")
+            axes.title.set_color(INK)
         handles = grid[0].get_legend_handles_labels()
-        look = {"loc": "upper right", "ncols": 2, "markerscale": 4}
-        grid[0].figure.legend(*handles, **look)
-
-
-def _stribeck(speed: Array, constants: Array) -> Array:
-    """Steady-state friction of LuGre."""
-    _, _, coulomb, static, stribeck = constants
-    return np.sign(speed) * (coulomb + (static - coulomb) * np.exp(-((speed / stribeck) ** 2)))
+        grid[0].figure.legend(*handles, loc="upper right", ncols=2, markerscale=4)
 
 
 def residuals(file: Path, found: CommissionedTwin, cuts: Sequence[MeasuredCut]) -> None:
     """RMS of the tool sensor's residual in each cut: by design, twin of the others, twin."""
     twin, quality, sensor = found.twin, found.identified, SENSORS[found.twin.sensor]
-    mean = twin.parameters.mean
-    before = [
-        Against(twin.design, twin.parameters, cut, sensor).residuals(mean).tool for cut in cuts
-    ]
+    against = (Against(twin.design, twin.parameters, cut, sensor) for cut in cuts)
+    before = (one.residuals(twin.parameters.mean).tool for one in against)
     bars = (
-        ("design of the robot", [_rms(residual) for residual in before], COLORS[5]),
+        ("design of the robot", [np.sqrt((r**2).sum(axis=1).mean()) for r in before], COLORS[5]),
         ("twin of the other cuts", quality.held_out, COLORS[4]),
         ("twin", quality.within, COLORS[0]),
     )
@@ -81,17 +70,8 @@ def residuals(file: Path, found: CommissionedTwin, cuts: Sequence[MeasuredCut]) 
         for i, (label, values, color) in enumerate(bars):
             heights = sensor.factor * np.asarray(values)
             drawn = axes.bar(place + 0.27 * (i - 1), heights, 0.25, color=color, label=label)
-            axes.bar_label(drawn, [_short(height) for height in heights], fontsize=7, padding=1)
+            shown = [f"{h:.{0 if h >= 10.0 else 1}f}" if np.isfinite(h) else "" for h in heights]
+            axes.bar_label(drawn, shown, fontsize=7, padding=1)
         axes.set_ylabel(f"RMS [{sensor.unit}]")
         axes.set_xticks(place, [cut.name for cut in cuts], rotation=20 if len(cuts) > 6 else 0)
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=9)
-
-
-def _short(height: float) -> str:
-    if not np.isfinite(height):
-        return ""
-    return f"{height:.0f}" if height >= 10.0 else f"{height:.1f}"
-
-
-def _rms(residual: Array) -> float:
-    return float(np.sqrt(np.mean(np.sum(residual**2, axis=1))))

@@ -26,29 +26,26 @@ NARROWEST = 6.6
 TITLE = "Tool deviation, RMS (9.6) [µm], of the first run, after five updates and at the end"
 
 
+def _shown(k: Sequence[int]) -> list[int]:
+    """Places of the first of these iterations, of that after five updates, and of the last."""
+    return [0, *([k.index(5)] if 5 in k[1:-1] else []), -1]
+
+
 def columns(k: Sequence[int]) -> list[str]:
     """Heads of the table, for runs of these iterations."""
-    early = [f"k = {_early(k)}"] if _early(k) not in (k[0], k[-1]) else []
-    heads = ["pose", "speed [mm/s]", "learned from", f"k = {k[0]}", *early, f"k = {k[-1]}"]
-    return [*heads, "last / uncorrected"]
+    shown = (f"k = {k[i]}" for i in _shown(k))
+    return ["pose", "speed [mm/s]", "learned from", *shown, "last / uncorrected"]
 
 
 def table(rows: Sequence[Mapping[str, Any]], k: Sequence[int]) -> list[list[Any]]:
     """Rows of the table with these columns, from the comparisons of summary.json."""
     found: list[list[Any]] = []
-    early = _early(k)
     for row in rows:
         rms, end = row["arm_rms"], " (diverged)" if row["diverged"] else ""
-        shown = [0, *([k.index(early)] if early not in (k[0], k[-1]) else []), -1]
-        microns = [1e6 * rms[min(i, len(rms) - 1)] for i in shown]
+        microns = [1e6 * rms[min(i, len(rms) - 1)] for i in _shown(k)]
         place = [row["pose"], 1e3 * row["reached_speed"], NAMES[row["measure"]] + end]
         found.append([*place, *microns, rms[-1] / row["uncorrected"]])
     return found
-
-
-def _early(k: Sequence[int]) -> int:
-    """The iteration after five updates; the last where there are none between."""
-    return 5 if 5 in k else k[-1]
 
 
 def learned(file: Path, cases: Sequence[Case], found: Sequence[Learned]) -> None:
@@ -57,8 +54,9 @@ def learned(file: Path, cases: Sequence[Case], found: Sequence[Learned]) -> None
     n_rows = -(-len(cases) // n_columns)
     width, height = max(3.3 * n_columns + 0.6, NARROWEST), 2.6 * n_rows + 1.0
     edges = 0.75 / width, 0.985, 0.55 / height, 1.0 - 0.95 / height
-    title = "Tool deviation over learning, by what is learned from"
-    look = {"edges": edges, "gaps": (0.08, 0.22), "sharex": True, "sharey": True, "title": title}
+    look: dict[str, Any] = {"title": "Tool deviation over learning, by what is learned from"}
+    look |= {"labels": ("iteration k", "tool deviation, RMS [µm]"), "ruled": True}
+    look |= {"edges": edges, "gaps": (0.08, 0.22), "sharex": True, "sharey": True}
     with panels(file, (width, height), n_rows, n_columns, **look) as grid:
         for axes, case, of in zip(grid, cases, found, strict=False):
             for name, iterations in of.items():
@@ -70,14 +68,11 @@ def learned(file: Path, cases: Sequence[Case], found: Sequence[Learned]) -> None
             whole_numbers(axes.xaxis)
             speed = 1e3 * case.experiment().motion.reached_speed
             axes.set_title(f"{case.cut.pose}, {speed:.0f} mm/s")
-            axes.grid(True)
-        for axes in grid[-n_columns:]:
-            axes.set_xlabel("iteration k")
-        for axes in grid[::n_columns]:
-            axes.set_ylabel("tool deviation, RMS [µm]")
         handles, labels = grid[0].get_legend_handles_labels()
-        place = {"loc": "upper left", "bbox_to_anchor": (0.0, 1.0 - 0.3 / height)}
-        grid[0].figure.legend(handles, labels, ncols=len(labels), **place)
+        at = (0.0, 1.0 - 0.3 / height)
+        grid[0].figure.legend(
+            handles, labels, ncols=len(labels), loc="upper left", bbox_to_anchor=at
+        )
 
 
 def write_replay(file: Path, case: Case, found: Learned) -> None:

@@ -25,7 +25,8 @@ def draw_convergence(file: Path, title: str, runs: Sequence[LawRun]) -> None:
     levels = len({run.noise for run in runs}) > 1
     hollow = {"ls": "--", "lw": 1.0, "mfc": "none", "ms": RING}
     predicted = False
-    with panels(file, (7.2, 4.4), large=True) as (axes,):
+    labels = "iteration k", "||e_k||"
+    with panels(file, (7.2, 4.4), titles=[title], labels=labels, large=True, ruled=True) as (axes,):
         for i, group in enumerate(groups(runs)):
             color, norms = COLORS[i % len(COLORS)], mean_norms(group)
             k = group[0].first_k + np.arange(len(norms))
@@ -42,8 +43,5 @@ def draw_convergence(file: Path, title: str, runs: Sequence[LawRun]) -> None:
         if predicted:
             axes.plot([], [], color="#777777", marker="o", label="predicted by the model", **hollow)
         axes.set_yscale("log", nonpositive="mask")
-        axes.set(xlabel="iteration k", ylabel="||e_k||")
         whole_numbers(axes.xaxis)
-        axes.grid(True)
-        axes.set_title(title)
         axes.figure.legend(loc="outside right upper", fontsize=8)

@@ -28,19 +28,19 @@ def draw_eigenloci(file: Path, title: str, loci: Eigenloci, sample_time: float) 
     moving = f > 0.0
     at = int(np.abs(loci.values).max(axis=1).argmax())
     worst = loci.values[at, np.abs(loci.values[at]).argmax()]
-    edges = 0.07, 0.98, 0.13, 0.88
-    with panels(file, (9.6, 4.4), 1, 2, edges=edges, gaps=(0.2, None)) as (left, right):
+    largest = f"largest modulus {abs(worst):.3g}, at {f[at]:.3g} Hz"
+    titles, edges = (f"{title}: eigenvalues of Q (1 − L Tᵤ)", largest), (0.07, 0.98, 0.13, 0.88)
+    with panels(file, (9.6, 4.4), 1, 2, titles=titles, edges=edges, gaps=(0.2, None)) as (
+        left,
+        right,
+    ):
         draw_disc(left, 0.0)
-        for i, locus in enumerate(loci.values.T):
-            color = COLORS[i % len(COLORS)]
-            left.plot(locus.real, locus.imag, color=color, lw=1.0)
-            right.semilogx(f[moving], np.abs(locus)[moving], color=color, lw=1.0)
+        left.plot(loci.values.real, loci.values.imag, lw=1.0)
+        right.semilogx(f[moving], np.abs(loci.values)[moving], lw=1.0)
         left.plot(worst.real, worst.imag, marker="o", mfc="none", color=INK, ls="none")
         right.axhline(1.0, color=INK, lw=1.0)
         left.set(xlabel="real part", ylabel="imaginary part")
-        left.set_title(f"{title}: eigenvalues of Q (1 − L Tᵤ)")
         right.set(xlabel="frequency [Hz]", ylabel="modulus of each")
-        right.set_title(f"largest modulus {abs(worst):.3g}, at {f[at]:.3g} Hz")
 
 
 def draw_proposal(file: Path, proposal: Proposal) -> None:
@@ -50,18 +50,19 @@ def draw_proposal(file: Path, proposal: Proposal) -> None:
     L = shift_response(proposal.gamma, proposal.delta, result.omega)
     curve = L * T_u.response(result.omega)
     shown, below = f > proposal.cutoff / 100.0, f <= proposal.cutoff
-    with panels(file, (9.6, 4.2), 1, 2, large=True) as (left, right):
+    titles = (
+        "The solid line must stay below the dashed",
+        "Learned where the curve is inside the circle",
+    )
+    with panels(file, (9.6, 4.2), 1, 2, titles=titles, legends=[0], large=True) as (left, right):
         with np.errstate(divide="ignore"):
             left.loglog(f[shown], 1.0 / result.q[shown], color=INK, ls="--", label="1/|Q|")
         left.loglog(f[shown], result.learning[shown], color=COLORS[0], label="|1 − LTᵤ|")
         left.set_ylim(0.5 * min(0.1, result.learning[shown].min()), 10.0)
         left.set_xlabel("frequency [Hz]")
-        left.set_title("The solid line must stay below the dashed")
         left.grid(True)
-        left.legend()
         draw_disc(right, 1.0)
         for part, where, color in ((curve, "above", "#BBBBBB"), (curve[below], "below", COLORS[0])):
             right.plot(part.real, part.imag, color=color, label=f"LTᵤ {where} the cutoff")
         right.set(xlabel="real part", ylabel="imaginary part")
-        right.set_title("Learned where the curve is inside the circle")
         right.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, fontsize=8)

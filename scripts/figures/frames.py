@@ -24,14 +24,13 @@ def draw(file: Path, robot: Robot) -> None:
     origins, axes = frame_positions(robot)
     edges = (0.125, 0.9, 0.11, 0.88)
     with panels(file, (9.0, 5.0), 1, 2, edges=edges, large=True) as views:
-        for view, across, label in zip(views, (0, 1), ("x [m]", "y [m]"), strict=True):
+        for across, view in enumerate(views):
             _frames(view, origins[:, [across, 2]], axes[:, [across, 2]])
-            view.set(xlabel=label, ylabel="z [m]", aspect="equal")
+            view.set(xlabel=f"{'xy'[across]} [m]", ylabel="z [m]", aspect="equal")
         views[1].set_xlim(-HALF_WIDTH, HALF_WIDTH)
         figure = views[0].figure
         handles = [Line2D([], [], color=color) for color in AXIS_COLORS]
-        names = ["x axis", "y axis", "z axis"]
-        figure.legend(handles, names, loc="lower right")
+        figure.legend(handles, ["x axis", "y axis", "z axis"], loc="lower right")
         figure.suptitle(f"Frames of {robot.name} in the zero pose")
 
 
@@ -44,6 +43,5 @@ def _frames(view: Axes, origins: np.ndarray, axes: np.ndarray) -> None:
         for color, direction in zip(AXIS_COLORS, directions.T, strict=True):
             view.plot(*zip(origin, origin + AXIS * direction, strict=True), color=color, lw=1.5)
     for place, names in numbers.items():
-        view.annotate(
-            ", ".join(names), place, fontsize=8, xytext=(5, 5), textcoords="offset points"
-        )
+        text = ", ".join(names)
+        view.annotate(text, place, fontsize=8, xytext=(5, 5), textcoords="offset points")

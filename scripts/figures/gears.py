@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from armside.kinematics.robot_file import Arm, GearTerm, gear_toml, robot_toml
-from armside.sim.gears import Coverage, GearAnalysis, Judgement, coverage
+from armside.sim.gears import Coverage, GearAnalysis, coverage
 from armside.sim.gears.judgement import judged_rows
 from armside.sim.gears.transmission import CONFIDENCE
 from armside.sim.recordings.alignment.encoder_motion import bandpass
@@ -25,15 +25,33 @@ def results(done: GearAnalysis) -> dict[str, Any]:
         "sensor": done.sensor,
         "orders": sorted({round(term.order, 2) for term in terms}),
         "joints": [_joint(done, j, own) for j, own in enumerate(coverage(done))],
-        "judged": [_judged(one) for one in done.judgements],
+        "judged": [
+            {
+                "recording": one.recording,
+                "learned_from": one.learned_from,
+                "sensor_ratio": one.sensor,
+                "sham_sensor_ratio": one.sham_sensor,
+                "tool": one.tool,
+                "unjudged": one.unjudged,
+                "sham_tool": one.sham_tool,
+                "smoothed": one.smoothed,
+                "bands": one.bands,
+            }
+            for one in done.judgements
+        ],
         "clocks": _clocks(done),
     }
 
 
 def _joint(done: GearAnalysis, joint: int, seen: Coverage) -> dict[str, Any]:
     orders, explained = done.scan.orders[joint], done.scan.explained[joint]
-    best = int(np.argmax(explained))
-    found = [] if done.found is None else [t for t in done.found.terms if t.joint == joint + 1]
+    best, found, tool_rms, resonance = int(np.argmax(explained)), [], 0.0, None
+    if done.found is not None:
+        found = [term for term in done.found.terms if term.joint == joint + 1]
+        errors = [done.found.tool_error(a.motion, a.target)[:, :, joint] for a in done.aligned]
+        tool_rms = float(np.sqrt((np.concatenate(errors) ** 2).sum(axis=1).mean()))
+        if (softness := done.found.softness) is not None and softness[joint] > 0.0:
+            resonance = float(softness[joint] ** -0.5)  # [Hz], that amplifies the joint's error
     return {
         "joint": joint + 1,
         "terms": [
@@ -42,16 +60,16 @@ def _joint(done: GearAnalysis, joint: int, seen: Coverage) -> dict[str, Any]:
                 "order_deviation": term.order_deviation,
                 "amplitude": term.amplitude,
                 "amplitude_interval": [
-                    term.amplitude - CONFIDENCE * term.amplitude_deviation,
-                    term.amplitude + CONFIDENCE * term.amplitude_deviation,
+                    term.amplitude + sign * CONFIDENCE * term.amplitude_deviation
+                    for sign in (-1.0, 1.0)
                 ],
                 "phase": term.phase,
                 "phase_deviation": term.phase_deviation,
             }
             for term in found
         ],
-        "resonance": _resonance(done, joint),
-        "tool_rms": _tool_rms(done, joint),
+        "resonance": resonance,
+        "tool_rms": tool_rms,
         "usable": seen.usable,
         "smallest_amplitude": seen.smallest,
         "resolution": done.resolution[joint],
@@ -60,36 +78,6 @@ def _joint(done: GearAnalysis, joint: int, seen: Coverage) -> dict[str, Any]:
             "explained": explained[best] / done.scan.energy,
             "over_median": explained[best] / done.scan.typical[joint],
         },
-    }
-
-
-def _resonance(done: GearAnalysis, joint: int) -> float | None:
-    """[Hz], that amplifies a joint's error; None where none was looked for or found."""
-    softness = None if done.found is None else done.found.softness
-    if softness is None or softness[joint] <= 0.0:
-        return None
-    return float(softness[joint] ** -0.5)
-
-
-def _tool_rms(done: GearAnalysis, joint: int) -> float:
-    """[m], root mean square of a joint's error at the tool, over all recordings."""
-    if done.found is None:
-        return 0.0
-    parts = [done.found.tool_error(one.motion, one.target)[:, :, joint] for one in done.aligned]
-    return float(np.sqrt((np.concatenate(parts) ** 2).sum(axis=1).mean()))
-
-
-def _judged(one: Judgement) -> dict[str, Any]:
-    return {
-        "recording": one.recording,
-        "learned_from": one.learned_from,
-        "sensor_ratio": one.sensor,
-        "sham_sensor_ratio": one.sham_sensor,
-        "tool": one.tool,
-        "unjudged": one.unjudged,
-        "sham_tool": one.sham_tool,
-        "smoothed": one.smoothed,
-        "bands": one.bands,
     }
 
 
@@ -186,18 +174,17 @@ def draw_scan(file: Path, done: GearAnalysis) -> None:
     n = len(done.resolution)
     height, found = 1.2 + 1.25 * n, [] if done.found is None else done.found.terms
     edges = 0.11, 0.97, 0.5 / height, 0.93
-    with panels(file, (8.0, height), n, edges=edges, sharex=True) as grid:
+    labels = "order [periods per turn of the joint]", ""
+    with panels(file, (8.0, height), n, labels=labels, edges=edges, sharex=True) as grid:
         for joint, panel in enumerate(grid):
             strength = done.scan.explained[joint] / done.scan.typical[joint]
-            orders = done.scan.orders[joint]
-            panel.semilogy(orders, np.maximum(strength, 1e-2), color=COLORS[0], lw=0.9)
+            panel.semilogy(done.scan.orders[joint], np.maximum(strength, 1e-2), lw=0.9)
             panel.axhline(1.0, color=REFERENCE, lw=0.8)
             for term in found:
                 if term.joint == joint + 1:
                     panel.axvline(term.order, color=COLORS[1], lw=0.8, ls="--")
             panel.set_ylabel(f"joint {joint + 1}", color=INK)
             panel.set_ylim(0.3, 3.0 * max(10.0, float(strength.max())))
-        grid[-1].set_xlabel("order [periods per turn of the joint]")
         title = "Energy explained by an order, over the median; dashed: taken"
         grid[0].figure.suptitle(title)
 
@@ -213,17 +200,14 @@ def draw_tool(file: Path, done: GearAnalysis) -> None:
     rows = slice(first, first + 1000)
     time = one.motion.time[rows] - one.motion.time[0]
     low, high = done.cfg.judged
-    edges = 0.09, 0.98, 0.08, 0.92
-    with panels(file, (9.0, 6.0), 3, edges=edges, sharex=True, large=True) as grid:
+    look: dict[str, Any] = {"edges": (0.09, 0.98, 0.08, 0.92), "sharex": True, "large": True}
+    with panels(file, (9.0, 6.0), 3, labels=("time [s]", ""), **look) as grid:
         for axis, panel in enumerate(grid):
-            for x, color, label in (
-                (seen, REFERENCE, "encoders alone"),
-                (left, COLORS[0], "with gear error"),
-            ):
-                panel.plot(time, UM * x[rows, axis], color=color, lw=1.0, label=label)
+            error, rest = UM * seen[rows, axis], UM * left[rows, axis]
+            panel.plot(time, error, color=REFERENCE, lw=1.0, label="encoders alone")
+            panel.plot(time, rest, color=COLORS[0], lw=1.0, label="with gear error")
             panel.set_ylabel(f"{'xyz'[axis]} [µm]")
         grid[0].legend(loc="upper right", ncols=2)
-        grid[-1].set_xlabel("time [s]")
         title = f"Error of the tool at {low:g} to {high:g} Hz by the tracker, {one.name}"
         grid[0].figure.suptitle(title)
 
@@ -233,7 +217,8 @@ def draw_fused(file: Path, done: GearAnalysis) -> None:
     judged = [one for one in done.judgements if one.spectra is not None]
     height = 1.2 + 2.2 * len(judged)
     edges = 0.11, 0.97, 0.55 / height, 1.0 - 0.5 / height
-    with panels(file, (8.0, height), len(judged), edges=edges, sharex=True) as grid:
+    look = {"labels": ("frequency [Hz]", "[µm/√Hz]"), "edges": edges, "sharex": True}
+    with panels(file, (8.0, height), len(judged), **look) as grid:
         for one, panel in zip(judged, grid, strict=True):
             assert one.spectra is not None
             for label, density, color in (
@@ -244,16 +229,9 @@ def draw_fused(file: Path, done: GearAnalysis) -> None:
                 if density is not None:
                     x = one.spectra.frequency
                     panel.loglog(x, UM * density, color=color, lw=1.0, label=label)
-            panel.axhline(UM * floor_density(one), color=INK, lw=0.8, ls="--", label="floor")
-            panel.set_xlim(0.5, 40.0)
-            panel.set_ylabel("[µm/√Hz]")
-            panel.set_title(one.recording)
+            low, high = one.bands[0].band  # the noise is that of the tracker, all axes
+            floor = UM * (one.bands[0].floor / float(np.sqrt(high - low)))
+            panel.axhline(floor, color=INK, lw=0.8, ls="--", label="floor")
+            panel.set(xlim=(0.5, 40.0), title=one.recording)
         grid[0].legend(ncols=2)
-        grid[-1].set_xlabel("frequency [Hz]")
         grid[0].figure.suptitle("Error of the tool by the tracker, all axes")
-
-
-def floor_density(one: Judgement) -> float:
-    """Amplitude density of the tracker's noise [m/sqrt(Hz)], all axes."""
-    band = one.bands[0]
-    return band.floor / float(np.sqrt(band.band[1] - band.band[0]))

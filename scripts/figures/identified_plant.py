@@ -128,11 +128,8 @@ def draw(
     magnitude, band = _response(best, made, omega, fits, rng)
     named = "model" if np.isnan(band).all() else "model, 95 %"
     time = made.sample_time * np.arange(len(made.y))
-    edges = 0.08, 0.98, 0.14, 0.91
-    with panels(file, (9.6, 4.2), 1, 2, edges=edges, gaps=(0.18, None), large=True) as (
-        left,
-        right,
-    ):
+    look: dict[str, Any] = {"edges": (0.08, 0.98, 0.14, 0.91), "gaps": (0.18, None)}
+    with panels(file, (9.6, 4.2), 1, 2, legends=[0, 1], large=True, **look) as (left, right):
         for i, (G, width) in enumerate(zip(magnitude.T, band.T, strict=True)):
             color = COLORS[i % len(COLORS)]
             left.loglog(f, G, color=color, lw=1.2, label=named if i == 0 else None)
@@ -142,15 +139,12 @@ def draw(
             bars = measured.radius()[:, 0, 0]
             left.errorbar(at, size, bars, fmt=".", color=INK, ms=4, lw=0.8, label="measured, 95 %")
         left.set_xlabel("frequency [Hz]")
-        for values, color, label in (
-            (made.y, INK, "measured"),
-            (best.system.simulate(made.u), COLORS[0], "simulated"),
-        ):
-            right.plot(time, values[:, 0], color=color, lw=1.0, label=label)
+        left.set_title("|response|", loc="center")
+        simulated = best.system.simulate(made.u)[:, 0]
+        right.plot(time, made.y[:, 0], color=INK, lw=1.0, label="measured")
+        right.plot(time, simulated, color=COLORS[0], lw=1.0, label="simulated")
         right.set_xlabel("time [s]")
-        for axes, title in ((left, "|response|"), (right, "first output")):
-            axes.set_title(title, loc="center")
-            axes.legend()
+        right.set_title("first output", loc="center")
 
 
 def _response(

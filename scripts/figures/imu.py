@@ -1,13 +1,12 @@
 """Figures of thesis chapter 5 as PNG files, from arrays alone."""
 
-from collections.abc import Mapping, Sequence
-from functools import partial
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from armside.arrays import Array
@@ -29,34 +28,43 @@ AT_REST = 1e-3
 """Range of a motor that counts as at rest, over the largest."""
 STACKED = 3
 """Most panels in one column."""
-_EDGES = (0.11, 0.98, 0.1, 0.91)
-_stack = partial(panels, size=(8.0, 5.6), rows=3, edges=_EDGES, gaps=(None, 0.15), sharex=True)
-"""Three panels above each other, for the axes of a vector."""
+Curve = tuple[Array, dict[str, Any]]
+"""Values (K, 3) and options of `plot`."""
+
+
+@contextmanager
+def _stack(
+    file: Path, title: str, ylabel: str, x: Array, *curves: Curve, xlabel: str = "Time [s]"
+) -> Iterator[Any]:
+    """Curves over x, a panel for each axis of a vector. ylabel: with {} for the axis."""
+    look: dict[str, Any] = {"labels": (xlabel, ""), "gaps": (None, 0.15), "sharex": True}
+    edges = (0.11, 0.98, 0.1, 0.91)
+    with panels(file, (8.0, 5.6), 3, title=title, edges=edges, **look) as grid:
+        for i, axes in enumerate(grid):
+            axes.set_ylabel(ylabel.format(AXES[i]))
+            for values, options in curves:
+                axes.plot(x, values[:, i], **options)
+        yield grid
 
 
 def rest(file: Path, time: Array, acceleration: Array, motors_on_at: float) -> None:
-    """Accelerations at rest, the motors off and then on. Thesis Fig. 5.2.
-
-    time: (K,) [s]. acceleration: (K, 3) [m/s^2].
-    """
-    with _stack(file, title="Acceleration at rest: motors off, then on") as grid:
-        for axes, name, values in zip(grid, AXES, acceleration.T, strict=True):
-            axes.plot(time, values, color=COLORS[0], lw=0.5)
+    """Accelerations (K, 3) [m/s^2] at rest, the motors off and then on. Thesis Fig. 5.2."""
+    title, curve = "Acceleration at rest: motors off, then on", (acceleration, {"lw": 0.5})
+    with _stack(file, title, "a$_{}$ [m/s²]", time, curve) as grid:
+        for axes in grid:
             axes.axvline(motors_on_at, color=INK, lw=0.8, ls="--")
-            axes.set_ylabel(f"a$_{name}$ [m/s²]")
-        grid[-1].set_xlabel("Time [s]")
 
 
 def spectrum(file: Path, frequency: Array, off: Array, on: Array) -> None:
     """Power spectra of the accelerometer at rest, (F, 3) [(m/s^2)^2/Hz]. Thesis 5.1.1."""
-    with _stack(file, title="Acceleration at rest: power spectrum") as grid:
-        for i, axes in enumerate(grid):
-            for values, color, label in ((off, REFERENCE, "off"), (on, COLORS[0], "on")):
-                x, y = frequency[1:], values[1:, i]
-                axes.semilogy(x, y, color=color, lw=1.0, label=f"motors {label}")
-            axes.set_ylabel(f"{AXES[i]} [(m/s²)²/Hz]")
+    title, ylabel = "Acceleration at rest: power spectrum", "{} [(m/s²)²/Hz]"
+    without = off[1:], {"color": REFERENCE, "lw": 1.0, "label": "motors off"}
+    powered = on[1:], {"color": COLORS[0], "lw": 1.0, "label": "motors on"}
+    curves, xlabel = (without, powered), "Frequency [Hz]"
+    with _stack(file, title, ylabel, frequency[1:], *curves, xlabel=xlabel) as grid:
+        for axes in grid:
+            axes.set_yscale("log")
         grid[0].legend(ncols=2)
-        grid[-1].set_xlabel("Frequency [Hz]")
 
 
 def motor_angles(
@@ -72,8 +80,8 @@ def motor_angles(
     resting = moved <= AT_REST * moved.max()
     moving = np.flatnonzero(~resting) if moved.any() else np.arange(len(moved))
     columns = 1 if len(moving) <= STACKED else 2
-    title, edges = "Logged motor angles, arm side", (0.08, 0.98, 0.09, 0.9)
-    look = {"title": title, "edges": edges, "gaps": (0.2, 0.32), "sharex": True}
+    look: dict[str, Any] = {"labels": ("Time [s]", ""), "gaps": (0.2, 0.32), "sharex": True}
+    look |= {"title": "Logged motor angles, arm side", "edges": (0.08, 0.98, 0.09, 0.9)}
     with panels(file, (9.0, 6.4), -(-len(moving) // columns), columns, **look) as grid:
         if len(moving) < len(moved):
             names = ", ".join(str(i + 1) for i in np.flatnonzero(resting))
@@ -81,19 +89,16 @@ def motor_angles(
             text = f"Motors at rest, within {1e6 * moved[resting].max():.0f} {unit}: {names}"
             grid[0].figure.text(0.98, 0.955, text, ha="right", fontsize=9)
         for k, (i, axes) in enumerate(zip(moving, grid, strict=False)):
-            axes.plot(time, angle[:, i], color=COLORS[0], lw=1.0)
-            axes.set_title(f"Motor {i + 1}")
+            axes.plot(time, angle[:, i], lw=1.0)
             widest = float(moved[sliding == sliding[i]].max())
             half = 0.56 * max(float(moved[i]), LEAST * widest, 1e-6)
-            axes.set_ylim(*_around(angle[:, i], half))
+            axes.set(title=f"Motor {i + 1}", ylim=_around(angle[:, i], half))
             if sliding[i]:
                 axes.set_ylabel("position [m]", fontsize=8)
             elif k % columns == 0:
                 axes.set_ylabel("angle [rad]", fontsize=8)
         for axes in grid[len(moving) :]:
             axes.set_visible(False)
-        for axes in grid[-columns:]:
-            axes.set_xlabel("Time [s]")
 
 
 def _around(values: Array, half: float) -> tuple[float, float]:
@@ -129,32 +134,27 @@ def position(file: Path, time: Array, tool: Array, predicted: Array) -> None:
     """
     half = 0.55 * max(float(np.ptp(predicted, axis=0).max()), 1e-3)
     furthest = 1.1e3 * max(float(np.abs(tool - predicted).max()), 1e-6)
-    title, edges = "Position of TCP0, base axes", (0.09, 0.98, 0.09, 0.9)
-    look = {"title": title, "edges": edges, "gaps": (0.25, 0.2), "sharex": True}
+    look: dict[str, Any] = {"labels": ("Time [s]", ""), "gaps": (0.25, 0.2), "sharex": True}
+    look |= {"title": "Position of TCP0, base axes", "edges": (0.09, 0.98, 0.09, 0.9)}
     with panels(file, (9.0, 6.4), 3, 2, **look) as grid:
         for i, (left, right) in enumerate(grid.reshape(3, 2)):
-            _under(left, time, predicted[:, i], "D-H of motor angles")
+            left.plot(time, predicted[:, i], color=WIDE, lw=4.0, label="D-H of motor angles")
             left.plot(time, tool[:, i], color=COLORS[1], lw=1.0, label="tool")
-            left.set_ylabel(f"{AXES[i]} [m]")
-            left.set_ylim(*_around(predicted[:, i], half))
+            left.set(ylabel=f"{AXES[i]} [m]", ylim=_around(predicted[:, i], half))
             right.set_ylim(-furthest, furthest)
             right.plot(time, 1e3 * (tool - predicted)[:, i], color=INK, lw=0.8)
             right.set_ylabel("difference [mm]", fontsize=8)
         _legend_beside_title(grid[0])
-        for axes in grid[-2:]:
-            axes.set_xlabel("Time [s]")
 
 
 def vector(file: Path, time: Array, measured: Array, predicted: Array, *, quantity: str) -> None:
     """A quantity of `VECTORS` of the IMU in base axes, (K, 3). Thesis Figs. 5.8, 5.9."""
     title, symbol, unit = VECTORS[quantity]
-    with _stack(file, title=f"{title} of the IMU, base axes") as grid:
-        for i, axes in enumerate(grid):
-            _under(axes, time, predicted[:, i], "predicted")
-            axes.plot(time, measured[:, i], color=COLORS[1], lw=0.9, label="measured")
-            axes.set_ylabel(f"{symbol}$_{AXES[i]}$ [{unit}]")
+    wide = predicted, {"color": WIDE, "lw": 4.0, "label": "predicted"}
+    thin = measured, {"color": COLORS[1], "lw": 0.9, "label": "measured"}
+    title, ylabel = f"{title} of the IMU, base axes", f"{symbol}$_{{}}$ [{unit}]"
+    with _stack(file, title, ylabel, time, wide, thin) as grid:
         _legend_beside_title(grid[0])
-        grid[-1].set_xlabel("Time [s]")
 
 
 def comparison(
@@ -170,10 +170,6 @@ def comparison(
         vector(file, seen.time[shown], *sides, quantity=quantity)
     file = folder / f"acceleration-error{suffix}.png"
     acceleration_error(file, seen.time[judged], {"": window_rms[judged]}, window)
-
-
-def _under(axes: Axes, time: Array, values: Array, label: str) -> None:
-    axes.plot(time, values, color=WIDE, lw=4.0, label=label)
 
 
 def _legend_beside_title(axes: Any) -> None:
@@ -192,21 +188,19 @@ def acceleration_error(
 
     curves: label: (K, 3) [m/s^2]. shaded: label: a part of the motion, from and to [s].
     """
-    with _stack(file, title=f"Acceleration error: RMS over {window:g} s") as grid:
-        top = 1.08 * max(float(values.max()) for values in curves.values())
-        for i, axes in enumerate(grid):
+    title = f"Acceleration error: RMS over {window:g} s"
+    drawn = ((values, {"lw": 1.2, "label": label}) for label, values in curves.items())
+    top = 1.08 * max(float(values.max()) for values in curves.values())
+    with _stack(file, title, "a$_{}$ [m/s²]", time, *drawn) as grid:
+        for axes in grid:
             for part in shaded.values():
                 axes.axvspan(*part, color=SHADE, lw=0)
-            for (label, values), color in zip(curves.items(), COLORS, strict=False):
-                axes.plot(time, values[:, i], color=color, lw=1.2, label=label)
-            axes.set_ylabel(f"a$_{AXES[i]}$ [m/s²]")
             axes.set_ylim(0.0, top)
         for label, part in shaded.items():
             middle = float(np.mean(part))
             grid[0].text(middle, 0.93 * top, label, ha="center", va="top", fontsize=8, color=INK)
         if len(curves) > 1:
             grid[-1].legend(ncols=2)
-        grid[-1].set_xlabel("Time [s]")
 
 
 def clocks(
@@ -219,23 +213,20 @@ def clocks(
     """
     steepest = int(np.abs(np.diff(predicted)).argmax())
     shown = slice(max(steepest - 4, 0), steepest + 5)
-    look = {"title": "Synchronisation of the clocks", "edges": (0.07, 0.985, 0.15, 0.8)}
-    widths = (3, 3, 1.5)
-    with panels(file, (10.0, 3.4), 1, 3, gaps=(0.32, None), width_ratios=widths, **look) as grid:
-        whole, near, found = grid
+    apart = f"Its steepest part, {1e3 * abs(offset):.1f} ms apart"
+    titles = "The movement", apart, f"Offset found, {len(errors)} others"
+    look: dict[str, Any] = {"title": "Synchronisation of the clocks", "titles": titles}
+    look |= {"edges": (0.07, 0.985, 0.15, 0.8), "gaps": (0.32, None), "width_ratios": (3, 3, 1.5)}
+    with panels(file, (10.0, 3.4), 1, 3, **look) as (whole, near, found):
         for axes in (whole, near):
             axes.plot(time, predicted, color=INK, lw=2.0, label="predicted from motor angles")
             axes.plot(time - offset, measured, color=COLORS[1], lw=1.0, label="IMU, its own clock")
             axes.plot(time, measured, color=COLORS[0], lw=1.2, ls="--", label="IMU, offset found")
             axes.set_xlabel("Time [s]")
         whole.set_ylabel("ω$_z$ [rad/s]")
-        near.set_xlim(time[shown][0], time[shown][-1])
-        near.set_ylim(predicted[shown].min(), predicted[shown].max())
+        ylim = predicted[shown].min(), predicted[shown].max()
+        near.set(xlim=(time[shown][0], time[shown][-1]), ylim=ylim)
         near.legend()
-        found.plot(1e3 * errors, np.arange(len(errors)), "o", color=COLORS[0], ms=4)
+        found.plot(1e3 * errors, np.arange(len(errors)), "o", ms=4)
         found.axvline(0.0, color=INK, lw=0.8)
         found.set(xlim=(-1.0, 1.0), xlabel="error [ms]", yticks=[])
-        apart = f"Its steepest part, {1e3 * abs(offset):.1f} ms apart"
-        titles = "The movement", apart, f"Offset found, {len(errors)} others"
-        for axes, title in zip(grid, titles, strict=True):
-            axes.set_title(title)

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
@@ -73,24 +73,16 @@ def circles(
     closed = np.vstack([reference, reference[:1]]) * 1e3
     reach = [1.06 * _largest([path[:, axis] for path in (closed, *drawn)]) for axis in (0, 1)]
     reach[0] = max(reach)  # panels are square, or wider than high
-
     if names is None:
         names = [f"k = {k}" for k in range(len(measured))]
     shown = _panels(len(measured))
     side = SIDE * max(1.0, min(2.0, 3 / len(shown)))  # room for the title above few panels
     long = max(map(len, names)) > SHORT
     between, extra = ("\n", 0.17) if long else ("    ", 0.0)  # a second line of the title [inch]
-    with tiles(
-        file,
-        len(shown),
-        3,
-        (side, max(reach[1] / reach[0], FLATTEST) * side),
-        edges=(0.6, 0.1, 0.85, 0.7 + extra),
-        gaps=(0.35, 0.35 + extra),
-        labels=("x [mm]", "y [mm]"),
-        sharex=True,
-        sharey=True,
-    ) as grid:
+    tile = side, max(reach[1] / reach[0], FLATTEST) * side
+    look = {"edges": (0.6, 0.1, 0.85, 0.7 + extra), "gaps": (0.35, 0.35 + extra)}
+    shared: dict[str, Any] = {"labels": ("x [mm]", "y [mm]"), "sharex": True, "sharey": True}
+    with tiles(file, len(shown), 3, tile, **look, **shared) as grid:
         figure = grid[0].figure
         heading = f"{title}, deviation {magnified(factor)}"
         figure.suptitle(heading, x=0.02, y=0.985, ha="left")
@@ -134,17 +126,14 @@ def errors(
     0 .. K - 1 if None.
     """
     iterations = np.arange(len(motor)) if ks is None else np.array(ks)
-    edges = 0.08, 0.985, 0.15, 0.91
-    with panels(file, (9.6, 4.0), 1, 2, edges=edges, gaps=(0.24, None), large=True) as (
-        left,
-        right,
-    ):
+    titles = "Motor side: what the robot sees", "Arm side: what the tool does"
+    look = {"edges": (0.08, 0.985, 0.15, 0.91), "gaps": (0.24, None), "large": True, "ruled": True}
+    labels = "iteration k", motor_label
+    with panels(file, (9.6, 4.0), 1, 2, titles=titles, labels=labels, **look) as (left, right):
         for i, values in enumerate(motor.T):
-            style = {"color": COLORS[i % len(COLORS)], "marker": MARKERS[i % len(MARKERS)], "ms": 5}
-            left.plot(iterations, values, lw=1.3, label=f"motor {i + 1}", **style)
+            marker = MARKERS[i % len(MARKERS)]
+            left.plot(iterations, values, lw=1.3, marker=marker, ms=5, label=f"motor {i + 1}")
         logarithmic(left)
-        left.set_title("Motor side: what the robot sees")
-        left.set_ylabel(motor_label)
         left.legend(ncols=2, fontsize=8)
         for values, label, style, color in (
             (arm_maxdev, "maximum", "s-", COLORS[1]),
@@ -155,13 +144,10 @@ def errors(
         right.update_datalim([(iterations[0], 0.0)])
         right.autoscale_view()
         right.set_ylim(bottom=0.0)
-        right.set_title("Arm side: what the tool does")
         right.set_ylabel("tool deviation [µm]")
         right.legend(fontsize=8)
         for axes in (left, right):
-            axes.set_xlabel("iteration k")
             whole_numbers(axes.xaxis)
-            axes.grid(True)
 
 
 def _panels(n_iterations: int) -> list[int]:
@@ -215,10 +201,18 @@ def kerf(file: Path, cuts: Sequence[tuple[int, Kerf]], measure: str = "roundness
     title = f"Cut with a beam of {beam * 1e3:g} mm, true to scale"
     figure.suptitle(title, x=0.02, y=1.0 - 0.15 / height, ha="left", va="top")
     at = {"loc": "upper right", "bbox_to_anchor": (0.99, 1.0 - 0.08 / height)}
-    figure.legend(handles=_legend(), frameon=False, ncols=4, fontsize=8, **at)
+    fills = (("sheet", SHEET), ("kerf", GAP), ("cut out", PIECE))
+    legend: list[Artist] = [Patch(fc=fill, ec=REFERENCE, label=name) for name, fill in fills]
+    dashed: dict[str, Any] = {"color": COLORS[4], "lw": 0.8, "ls": (0, (4, 3))}
+    legend.append(Line2D([], [], label="programmed", **dashed))
+    figure.legend(handles=legend, frameon=False, ncols=4, fontsize=8, **at)
+    closed = np.vstack([programmed, programmed[:1]]) * 1e3
     for column, (k, cut) in enumerate(cuts):
-        axes = figure.add_subplot(grid[0, column])
-        _sheet(axes, programmed, cut)
+        axes = figure.add_subplot(grid[0, column], facecolor=SHEET)
+        for offset, color in ((cut.outer, GAP), (cut.inner, PIECE)):
+            edge = cut.edge(offset)
+            axes.fill(*(edge[np.isfinite(edge).all(axis=1)] * 1e3).T, color=color, lw=0.0)
+        axes.plot(*closed.T, **dashed)
         axes.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]), aspect="equal")
         axes.set_title(f"k = {k}    {measure} {_microns(cut.roundness)}", fontsize=9)
         axes.set(xlabel="x [mm]", ylabel="y [mm]" if column == 0 else "")
@@ -230,27 +224,10 @@ def kerf(file: Path, cuts: Sequence[tuple[int, Kerf]], measure: str = "roundness
         edge_axes.plot(arc_length * 1e3, cut.hole_deviation * 1e6, **style)
     edge_axes.axhline(0.0, color=REFERENCE, lw=1.0)
     edge_axes.set_title(f"Edge of the hole ({measure}: its range)", loc="left", fontsize=10)
-    edge_axes.set(xlabel="arc length [mm]", ylabel="deviation outwards [µm]")
-    edge_axes.set_xlim(0.0, float(arc_length[-1]) * 1e3)
+    limits = 0.0, float(arc_length[-1]) * 1e3
+    edge_axes.set(xlabel="arc length [mm]", ylabel="deviation outwards [µm]", xlim=limits)
     edge_axes.grid(True, color="#DDDDDD", lw=0.6)
     if not single:
         place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}
         edge_axes.legend(frameon=False, ncols=len(cuts), fontsize=8, **place)
     save(figure, file)
-
-
-def _legend() -> list[Artist]:
-    fills = (("sheet", SHEET), ("kerf", GAP), ("cut out", PIECE))
-    patches = [Patch(facecolor=color, edgecolor=REFERENCE, label=name) for name, color in fills]
-    return [*patches, Line2D([], [], color=COLORS[4], lw=0.8, ls=(0, (4, 3)), label="programmed")]
-
-
-def _sheet(axes: Axes, programmed: Array, cut: Kerf) -> None:
-    """Draw the sheet, the kerf and the piece within it."""
-    axes.set_facecolor(SHEET)
-    for offset, color in ((cut.outer, GAP), (cut.inner, PIECE)):
-        edge = cut.edge(offset)
-        whole = edge[np.isfinite(edge).all(axis=1)] * 1e3
-        axes.fill(*whole.T, color=color, lw=0.0)
-    closed = np.vstack([programmed, programmed[:1]]) * 1e3
-    axes.plot(*closed.T, color=COLORS[4], lw=0.8, ls=(0, (4, 3)))

@@ -12,11 +12,9 @@ from matplotlib.collections import LineCollection
 from armside.arrays import Array
 from armside.sim.evaluation.tool_error import ToolError, signed_distance
 from armside.sim.part.motion import PartMotion
-from armside.sim.part.plan import Plan, PlannedCut, rapid_moves
+from armside.sim.part.plan import Plan, rapid_moves
 
 from .canvas import COLORS, INK, REFERENCE, panels
-
-COLOUR_MAP = "coolwarm"
 
 
 @dataclass(frozen=True)
@@ -34,24 +32,19 @@ def part_map(file: Path, runs: Sequence[Mapped]) -> None:
     """Contours coloured by the deviation of their shape, a panel and a scale for each run."""
     size = np.ptp(np.vstack([cut.turn.polygon() for cut in runs[0].motion.cuts]), axis=0)
     height = float(np.clip(5.2 * size[1] / size[0], 2.2, 7.0)) + 1.3
-    title = "Deviation of the tool's shape from each contour"
-    shared = {"sharex": True, "sharey": True, "title": title}
-    with panels(file, (6.4 * len(runs), height), 1, len(runs), **shared) as grid:
+    look: dict[str, Any] = {"title": "Deviation of the tool's shape from each contour"}
+    look |= {"titles": [f"k = {run.k}: RMS {1e6 * run.rms:.0f} µm" for run in runs]}
+    look |= {"labels": ("x [mm]", "y [mm]"), "sharex": True, "sharey": True}
+    with panels(file, (6.4 * len(runs), height), 1, len(runs), **look) as grid:
         for axes, run in zip(grid, runs, strict=True):
             found = _deviations(run)
             worst = 1e6 * float(np.abs(np.concatenate([d for _, d in found])).max(initial=1e-9))
-            look = {"cmap": COLOUR_MAP, "lw": 3.0}
-            lines = [
-                _coloured(axes, 1e3 * foot, 1e6 * d[:-1], (-worst, worst), **look)
-                for foot, d in found
-            ]
+            for foot, d in found:
+                _coloured(axes, 1e3 * foot, 1e6 * d[:-1], (-worst, worst), "coolwarm", 3.0)
             axes.set_aspect("equal")
             axes.margins(0.05)
-            axes.set_title(f"k = {run.k}: RMS {1e6 * run.rms:.0f} µm")
-            axes.set_xlabel("x [mm]")
             label = f"deviation outwards at k = {run.k} [µm]"
-            axes.figure.colorbar(lines[0], ax=axes, label=label, shrink=0.8)
-        grid[0].set_ylabel("y [mm]")
+            axes.figure.colorbar(axes.collections[0], ax=axes, label=label, shrink=0.8)
 
 
 def _deviations(run: Mapped) -> list[tuple[Array, Array]]:
@@ -66,14 +59,11 @@ def _deviations(run: Mapped) -> list[tuple[Array, Array]]:
 
 
 def _coloured(
-    axes: Axes, points: Array, values: Array, limits: tuple[float, float], **look: Any
-) -> LineCollection:
+    axes: Any, points: Array, values: Array, limits: tuple[float, float], cmap: str, lw: float
+) -> None:
     """A line through points (M, 2), coloured by the values (M - 1,) of its pieces."""
-    lines = LineCollection(list(np.stack([points[:-1], points[1:]], axis=1)), **look)
-    lines.set_array(values)
-    lines.set_clim(*limits)
-    axes.add_collection(lines)
-    return lines
+    pieces = list(np.stack([points[:-1], points[1:]], axis=1))
+    axes.add_collection(LineCollection(pieces, array=values, clim=limits, cmap=cmap, lw=lw))
 
 
 SPACING = 0.5e-3
@@ -82,7 +72,6 @@ MOST_POINTS = 2000
 """Points drawn of one contour."""
 MOST_NUMBERS = 60
 """Contours up to which each is numbered."""
-SPEED_MAP = "viridis"
 
 
 def part_plan(file: Path, plan: Plan) -> None:
@@ -97,18 +86,18 @@ def part_plan(file: Path, plan: Plan) -> None:
 
 
 def _draw_part(axes: Any, plan: Plan) -> None:
-    fastest, lines = 1e3 * plan.cutting.speed, list[LineCollection]()
     for i, cut in enumerate(plan.cuts, 1):
         drawn = 1e3 * cut.contour.chain.polygon()
         axes.plot(*drawn.T, color=INK, lw=0.6, zorder=3, label="drawn")  # over what is cut
-        s = _places(cut)
+        n = int(np.clip(cut.path.length / SPACING, 40, MOST_POINTS))
+        s = np.linspace(0.0, cut.path.length, n)
         points, speed = cut.path.point(s), np.interp(s, cut.profile.s, cut.profile.speed)
         middle = 0.5e3 * (speed[:-1] + speed[1:])
-        look = {"cmap": SPEED_MAP, "lw": 1.8}
-        lines.append(_coloured(axes, 1e3 * points, middle, (0.0, fastest), **look))
+        limits, place = (0.0, 1e3 * plan.cutting.speed), 1e3 * points[0]
+        _coloured(axes, 1e3 * points, middle, limits, "viridis", 1.8)
         if len(plan.cuts) <= MOST_NUMBERS:
-            place = {"xytext": (3, 3), "textcoords": "offset points"}
-            axes.annotate(f"{i}", 1e3 * points[0], fontsize=8, color=INK, **place)
+            look = {"xytext": (3, 3), "textcoords": "offset points", "fontsize": 8, "color": INK}
+            axes.annotate(f"{i}", place, **look)
         for first, last in cut.joints:
             axes.plot(*(1e3 * cut.path.point([first, last])).T, color=COLORS[1], lw=4.0)
     for begin, end in 1e3 * rapid_moves(plan):
@@ -116,15 +105,15 @@ def _draw_part(axes: Any, plan: Plan) -> None:
     axes.plot(*(1e3 * plan.part.box[0]), "o", color=COLORS[1], ms=5)
     axes.set(aspect="equal", xlabel="x [mm]", ylabel="y [mm]")
     axes.margins(0.05)
-    axes.figure.colorbar(lines[0], ax=axes, label="speed [mm/s]", pad=0.02, shrink=0.9)
+    look = {"label": "speed [mm/s]", "pad": 0.02, "shrink": 0.9}
+    axes.figure.colorbar(axes.collections[0], ax=axes, **look)
     text = "thin black: drawn; dashed: rapid moves from the dot; numbers: order"
     axes.set_title(text + "; bars: micro-joints" * any(cut.joints for cut in plan.cuts))
 
 
 def _draw_speed(axes: Axes, plan: Plan) -> None:
     """Asked, allowed and reached speed over the length of all cuts, one after the other."""
-    begin = 0.0
-    asked = 1e3 * plan.cutting.speed
+    begin, asked = 0.0, 1e3 * plan.cutting.speed
     for i, cut in enumerate(plan.cuts):
         s = begin + 1e3 * cut.profile.s
         label = ("allowed in bends", "reached") if i == 0 else (None, None)
@@ -133,11 +122,5 @@ def _draw_speed(axes: Axes, plan: Plan) -> None:
         begin += 1e3 * cut.path.length
     axes.axhline(asked, color=COLORS[1], lw=0.8, ls=(0, (4, 3)), label="asked")
     axes.set(xlabel="length of all cuts in their order [mm]", ylabel="speed [mm/s]")
-    axes.set_ylim(0.0, 1.25 * asked)
-    axes.set_xlim(0.0, begin)
+    axes.set(xlim=(0.0, begin), ylim=(0.0, 1.25 * asked))
     axes.legend(ncols=3, loc="upper right")
-
-
-def _places(cut: PlannedCut) -> Array:
-    n = int(np.clip(cut.path.length / SPACING, 40, MOST_POINTS))
-    return np.linspace(0.0, cut.path.length, n)

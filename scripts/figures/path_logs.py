@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from armside.sim.recordings.paths import AtSpeed, PathComparison
+from armside.sim.recordings.paths import PathComparison
 
 from ..shell.console import Report
 from .canvas import COLORS, INK, REFERENCE, panels
@@ -16,22 +16,22 @@ MM = 1e3
 def results(done: PathComparison) -> dict[str, Any]:
     """Entries of summary.json. SI units."""
     path = {"length": done.path.length, "tool": done.path.tool, "misfit": done.path.misfit}
-    return {"path": path, "speeds": [_row(one) for one in done.speeds]}
-
-
-def _row(one: AtSpeed) -> dict[str, Any]:
-    return {
-        "speed": one.speed,
-        "real_runs": one.n_runs,
-        "real": vars(one.real),
-        "virtual": vars(one.virtual),
-        "virtual_logged": vars(one.virtual_logged),
-        "timing_error": one.timing.deviation,
-        "timing_correlation": one.timing.correlation,
-        "log_period": one.timing.period,
-        "scatter_of_perfect_runs": {"mean": one.perfect.mean(), "deviation": one.perfect.std()},
-        "unexplained": one.unexplained,
-    }
+    speeds = [
+        {
+            "speed": one.speed,
+            "real_runs": one.n_runs,
+            "real": vars(one.real),
+            "virtual": vars(one.virtual),
+            "virtual_logged": vars(one.virtual_logged),
+            "timing_error": one.timing.deviation,
+            "timing_correlation": one.timing.correlation,
+            "log_period": one.timing.period,
+            "scatter_of_perfect_runs": {"mean": one.perfect.mean(), "deviation": one.perfect.std()},
+            "unexplained": one.unexplained,
+        }
+        for one in done.speeds
+    ]
+    return {"path": path, "speeds": speeds}
 
 
 def tables(report: Report, done: PathComparison) -> None:
@@ -74,9 +74,10 @@ def draw(file: Path, done: PathComparison) -> None:
         speed = [MM * one.speed for one in done.speeds]
         axes.semilogy(speed, [MM * value for value in values], style, color=color, label=label)
 
-    title, edges = "Path of the motors at constant speed", (0.09, 0.98, 0.14, 0.85)
-    with panels(file, (9.0, 4.2), 1, 2, title=title, edges=edges, gaps=(0.3, None)) as grid:
-        left, right = grid
+    look: dict[str, Any] = {"title": "Path of the motors at constant speed", "legends": [0, 1]}
+    look |= {"titles": ("Error, mean removed, RMS", "Scatter of repeated runs")}
+    look |= {"edges": (0.09, 0.98, 0.14, 0.85), "gaps": (0.3, None)}
+    with panels(file, (9.0, 4.2), 1, 2, **look) as (left, right):
         for name, color in (("real", COLORS[1]), ("virtual", COLORS[0])):
             measures = [getattr(one, name) for one in done.speeds]
             line(left, [m.error for m in measures], "o-", color, name)
@@ -87,8 +88,5 @@ def draw(file: Path, done: PathComparison) -> None:
         line(right, perfect, "s--", REFERENCE, "log of perfect runs")
         logged = [one.virtual_logged.scatter for one in done.speeds]
         line(right, logged, "s--", INK, "virtual, by such a log")
-        titles = "Error, mean removed, RMS", "Scatter of repeated runs"
-        for axes, heading in zip(grid, titles, strict=True):
+        for axes in (left, right):
             axes.set(xlabel="programmed speed [mm/s]", ylabel="across the path [mm]")
-            axes.set_title(heading)
-            axes.legend()

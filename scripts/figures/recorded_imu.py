@@ -19,15 +19,14 @@ SHOWN = 40.0
 
 def results(done: Sequence[RecordedImu]) -> dict[str, Any]:
     """Entries of summary.json. SI units."""
-    found: dict[str, Any] = {"recordings": [_recording(one) for one in done]}
+    found: dict[str, Any] = {"recordings": []}
+    for one in done:
+        held_out = vars(one.measures) | {"gravity_magnitude": one.measures.gravity_magnitude}
+        row = {"recording": one.name, "constants": _constants(one.alignment), "held_out": held_out}
+        found["recordings"].append(row)
     if len(done) > 1:
         found["repeatability"] = vars(repeatability([one.alignment for one in done]))
     return found
-
-
-def _recording(one: RecordedImu) -> dict[str, Any]:
-    held_out = vars(one.measures) | {"gravity_magnitude": one.measures.gravity_magnitude}
-    return {"recording": one.name, "constants": _constants(one.alignment), "held_out": held_out}
 
 
 def _constants(one: ImuAlignment) -> dict[str, Any]:

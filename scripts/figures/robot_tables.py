@@ -1,10 +1,10 @@
 """Numbers of a robot and of its model as tables of the terminal and entries of a summary."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
-from armside.arrays import Array
 from armside.kinematics import Joint, Robot
 from armside.sim.evaluation.check import Check
 from armside.sim.evaluation.robot_examination import Examination
@@ -27,13 +27,8 @@ def numbers(examined: Examination) -> dict[str, Any]:
         "highest_mode": examined.highest_mode,
         "axes": axes_of(examined),
         "poses": [
-            {
-                "pose": one.name,
-                "dexterity": one.dexterity,
-                "problem": one.problem,
-                "nearest": one.nearest,
-            }
-            for one in examined.poses
+            {"pose": p.name, "dexterity": p.dexterity, "problem": p.problem, "nearest": p.nearest}
+            for p in examined.poses
         ],
         "estimates": estimates_of(examined),
         "usual": [
@@ -95,23 +90,33 @@ def table_of(robot: Robot) -> list[dict[str, Any]]:
 
 def print_check(report: Report, found: dict[str, Any], checks: list[Check]) -> None:
     """Tables of an examination and its verdicts."""
-    report.table(
-        f"D-H table against MJCF in {found['configurations']} configurations, every spring at zero",
-        ("site", "largest [um]", "[urad]", "at motor angles [deg]"),
-        [
-            (one.site, 1e6 * one.position, 1e6 * one.rotation, _degrees(one.at))
-            for one in found["agreement"]
-        ],
-    )
+    rows = [
+        (one.site, 1e6 * one.position, 1e6 * one.rotation, _joined(np.rad2deg(one.at), ".1f"))
+        for one in found["agreement"]
+    ]
+    drawn = f"{found['configurations']} configurations"
+    title = f"D-H table against MJCF in {drawn}, every spring at zero"
+    report.table(title, ("site", "largest [um]", "[urad]", "at motor angles [deg]"), rows)
     _print_axes(report, found["axes"])
     for name, words in (("locked_modes", "held"), ("free_modes", "free")):
-        report.line(f"Modes [Hz], motors {words}: {' '.join(f'{f:.1f}' for f in found[name])}")
+        report.line(f"Modes [Hz], motors {words}: {_joined(found[name], '.1f')}")
     report.line(
         f"Mass {found['mass']:.1f} kg, tool up to {found['reach']:.3f} m from the base, "
         f"time step {1e3 * found['time_step']:g} ms"
     )
     print_estimates(report, found["estimates"])
-    _print_usual(report, found["usual"])
+    rows = [
+        (
+            f"{one['quantity']} [{one['unit']}]" if one["unit"] else one["quantity"],
+            _joined(one["values"], ".3g"),
+            "{:.2g} to {:.2g}".format(*one["range"]),
+            "usual" if one["inside"] else "unusual",
+            one["source"],
+        )
+        for one in found["usual"]
+    ]
+    heads = "quantity", "this robot", "usual", "", "range around"
+    report.table("Plausibility, beside arms of that reach", heads, rows)
     rows = [(check.statement, check.ours, check.band, check.verdict) for check in checks]
     report.table("Verdicts", ("quantity", "value", "allowed", "verdict"), rows)
 
@@ -122,43 +127,27 @@ def _print_axes(report: Report, axes: list[dict[str, Any]]) -> None:
         "the drive's limit; of a prismatic axis [mm], [N] and [kg]"
     )
     drive = "gear", "limit [N m]", "inertia [kg m^2]", "load"
-    heads = "axis", "from", "to", "speed", "unit", *drive
-    report.table(title, heads, [_axis_row(one) for one in axes])
-
-
-def _axis_row(one: dict[str, Any]) -> tuple[Any, ...]:
-    slides = one["joint"] == Joint.PRISMATIC.value
-    unit, factor = ("mm", 1e3) if slides else ("deg", 180.0 / np.pi)
-    ranges = (factor * float(one[name]) for name in ("lower", "upper", "speed"))
-    others = (float(one[name]) for name in ("gear", "torque_limit", "rotor_inertia"))
-    return one["axis"], *ranges, unit, *others, round(float(one["holding"]), 4)
-
-
-def _print_usual(report: Report, usual: list[dict[str, Any]]) -> None:
-    rows = [
-        (
-            f"{one['quantity']} [{one['unit']}]" if one["unit"] else one["quantity"],
-            " ".join(f"{value:.3g}" for value in one["values"]),
-            "{:.2g} to {:.2g}".format(*one["range"]),
-            "usual" if one["inside"] else "unusual",
-            one["source"],
-        )
-        for one in usual
-    ]
-    heads = "quantity", "this robot", "usual", "", "range around"
-    report.table("Plausibility, beside arms of that reach", heads, rows)
+    rows = []
+    for one in axes:
+        slides = one["joint"] == Joint.PRISMATIC.value
+        unit, factor = ("mm", 1e3) if slides else ("deg", 180.0 / np.pi)
+        ranges = (factor * float(one[name]) for name in ("lower", "upper", "speed"))
+        others = (float(one[name]) for name in ("gear", "torque_limit", "rotor_inertia"))
+        rows.append((one["axis"], *ranges, unit, *others, round(float(one["holding"]), 4)))
+    report.table(title, ("axis", "from", "to", "speed", "unit", *drive), rows)
 
 
 def print_estimates(report: Report, estimates: list[dict[str, Any]]) -> None:
     """Table of what is taken, nothing where the file states everything."""
     if not estimates:
         return
-    rows = [
-        (one["field"], " ".join(f"{value:.4g}" for value in one["values"]), one["rule"])
-        for one in estimates
-    ]
-    heads = "field", "taken", "rule"
-    report.table("Not in the robot file, SI; bodies in the axes of their joints", heads, rows)
+    rows = [(one["field"], _joined(one["values"], ".4g"), one["rule"]) for one in estimates]
+    title = "Not in the robot file, SI; bodies in the axes of their joints"
+    report.table(title, ("field", "taken", "rule"), rows)
+
+
+def _joined(values: Iterable[float], form: str) -> str:
+    return " ".join(f"{value:{form}}" for value in values)
 
 
 def print_data(report: Report, name: str, found: dict[str, Any]) -> None:
@@ -168,11 +157,8 @@ def print_data(report: Report, name: str, found: dict[str, Any]) -> None:
         theta, alpha = (float(np.rad2deg(row[angle])) for angle in ("theta", "alpha"))
         lengths = 1e3 * row["d"], 1e3 * row["a"]
         rows.append((str(i), theta, *lengths, alpha, row["joint"], row["motion"]))
-    report.table(
-        f"{name}: D-H table at zero motor angles",
-        ("link", "theta [deg]", "d [mm]", "a [mm]", "alpha [deg]", "joint", "moved by"),
-        rows,
-    )
+    heads = "link", "theta [deg]", "d [mm]", "a [mm]", "alpha [deg]", "joint", "moved by"
+    report.table(f"{name}: D-H table at zero motor angles", heads, rows)
     _print_axes(report, found["axes"])
 
 
@@ -188,7 +174,3 @@ def print_description(report: Report, robot: Robot, found: dict[str, Any]) -> No
         report.line(f"Wrist centre {low:.3f} to {high:.3f} m from axis 2, in the plane of the arm")
     for name, expression in found["singular"].items():
         report.line(f"Singular, {name}: {expression} = 0")
-
-
-def _degrees(phi: Array) -> str:
-    return " ".join(f"{angle:.1f}" for angle in np.rad2deg(phi))

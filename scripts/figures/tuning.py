@@ -30,7 +30,9 @@ def history(file: Path, outcomes: Sequence[Outcome], *, sensor: str) -> None:
     true = np.array([one.true for one in outcomes], dtype=float)
     complete = np.array([one.complete for one in outcomes])
     diverged = value >= WORST
-    holder = _holders(np.where(complete, value, np.inf))
+    # The number of the best design so far; -1 before there is a finite one below WORST.
+    bound = np.minimum.accumulate(np.r_[WORST, np.where(complete, value, np.inf)])
+    holder = np.maximum.accumulate(np.where(bound[1:] < bound[:-1], np.arange(len(value)), -1))
     with panels(file, (8.0, HEIGHT), edges=(0.1, 0.98, 0.12, 0.9)) as (axes,):
         axes.axhline(1.0, color="#DDDDDD", lw=1.0)
         for chosen, marker, label in (
@@ -72,15 +74,8 @@ def importance(file: Path, found: Mapping[str, Mapping[str, float]]) -> None:
     edges = 0.15, 0.98, 0.6 / height, 1.0 - 0.35 / height
     with panels(file, (7.0, height), edges=edges) as (axes,):
         axes.barh(names, share, color=colors)
-        axes.plot(
-            chance, names, "|", ms=16, mew=2.0, color=COLORS[1], label="largest that chance gives"
-        )
+        label = "largest that chance gives"
+        axes.plot(chance, names, "|", ms=16, mew=2.0, color=COLORS[1], label=label)
         axes.set_xlim(0.0, 1.05 * max(1.0, *chance))
         axes.set_xlabel("share in what sets the best designs apart (PED-ANOVA); grey: as by chance")
         axes.figure.legend(loc="upper right")
-
-
-def _holders(values: np.ndarray) -> np.ndarray:
-    """Index of the smallest value up to each; -1 before there is a finite one below WORST."""
-    bound = np.minimum.accumulate(np.r_[WORST, values])[:-1]
-    return np.maximum.accumulate(np.where(values < bound, np.arange(len(values)), -1))

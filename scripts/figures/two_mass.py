@@ -36,13 +36,12 @@ def bode(file: Path, seed: int, of: Study = THESIS) -> Table:
     joint, T_s = of.loop.joint, of.loop.sample_time
     f = hertz(omega, T_s)
     G_m, G_a = (G.response(omega) for G in (joint.motor(T_s), joint.arm(T_s)))
-    title = "Voltage to motor, motor to arm, voltage to arm"
-    labels: dict[str, Any] = {
-        "xlabel": "frequency [Hz]",
-        "ylabel": "magnitude [dB]",
-        "legends": [0],
-    }
-    with charts(file, (7.0, 5.6), 1, 2, titles=[title], sharex=True, **labels) as (upper, lower):
+    titles = ["Voltage to motor, motor to arm, voltage to arm"]
+    labels = "frequency [Hz]", "magnitude [dB]"
+    with charts(file, (7.0, 5.6), 2, titles=titles, labels=labels, legends=[0], sharex=True) as (
+        upper,
+        lower,
+    ):
         for name, response in (("$G_m$", G_m), ("$G_a$", G_a), ("$G_a G_m$", G_m * G_a)):
             upper.semilogx(f, decibel(response), label=name)
             lower.semilogx(f, np.degrees(np.unwrap(np.angle(response))))
@@ -65,9 +64,8 @@ def reference(file: Path, seed: int, of: Study = THESIS) -> Table:
     r_a = of.learned().plant.arm_reference[:, 0]
     speed = np.diff(r_a, prepend=0.0) / of.loop.sample_time
     t = np.arange(len(r_a)) * of.loop.sample_time
-    with charts(file, (7.0, 3.6), xlabel="time [s]", titles=["Arm reference"], legends=[0]) as (
-        axes,
-    ):
+    titles, labels = ["Arm reference"], ("time [s]", "")
+    with charts(file, (7.0, 3.6), titles=titles, labels=labels, legends=[0]) as (axes,):
         axes.plot(t, r_a, label="$r_a$ [rad]")
         axes.plot(t, speed, label="its speed [rad/s]")
         axes.set_xlim(0.5, 2.5)
@@ -83,9 +81,8 @@ def tracking(file: Path, seed: int, of: Study = THESIS) -> Table:
     run, plant = runs.kept[0].result, runs.plant
     t = np.arange(len(run.motor)) * of.loop.sample_time
     rows = []
-    titles = ("Motor side", "Arm side")
-    labels: dict[str, Any] = {"xlabel": "time [s]", "ylabel": "angle [rad]"}
-    with charts(file, (9.0, 3.6), 2, titles=titles, legends=[0, 1], **labels) as grid:
+    titles, labels = ("Motor side", "Arm side"), ("time [s]", "angle [rad]")
+    with charts(file, (9.0, 3.6), 1, 2, titles=titles, labels=labels, legends=[0, 1]) as grid:
         for axes, side, r, q, norms in (
             (grid[0], "motor", plant.motor_reference, run.motor, runs.motor),
             (grid[1], "arm", plant.arm_reference, run.arm, runs.arm),
@@ -106,9 +103,9 @@ def criterion_curves(file: Path, seed: int, of: Study = THESIS) -> Table:
     f = hertz(omega, of.loop.sample_time)
     Q = {cutoff: ZeroPhaseButterworth(cutoff, of.loop.sample_time) for cutoff in FILTERS}
     rows = []
-    title = f"|1 − LTᵤ| (solid) must stay below 1/|Q| (dashed), γ = {of.gamma:g}"
-    labels: dict[str, Any] = {"xlabel": "frequency [Hz]", "ylabel": "magnitude [dB]"}
-    with charts(file, (7.4, 4.6), titles=[title], **labels) as (axes,):
+    titles = [f"|1 − LTᵤ| (solid) must stay below 1/|Q| (dashed), γ = {of.gamma:g}"]
+    labels = "frequency [Hz]", "magnitude [dB]"
+    with charts(file, (7.4, 4.6), titles=titles, labels=labels) as (axes,):
         for delta in NYQUIST_SHIFTS:
             result = heuristic_criterion(T_u, of.gamma, delta, ALL_PASS, omega)
             axes.semilogx(f, decibel(result.learning), label=f"δ = {delta}")
@@ -137,7 +134,11 @@ def gamma_maps(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Fig 8.7: admissible gain over shift and cutoff."""
     shifts, cutoffs = SEARCHED_SHIFTS, SEARCHED_CUTOFFS
     rows = []
-    with panels(file, (10.0, 4.2), 1, 2, large=True, sharey=True) as grid:
+    titles = [f"Learning from the {side}" for side in THESIS_SHIFT]
+    labels = "shift δ [samples]", "cutoff of Q [Hz]"
+    with panels(
+        file, (10.0, 4.2), 1, 2, titles=titles, labels=labels, large=True, sharey=True
+    ) as grid:
         for axes, side in zip(grid, THESIS_SHIFT, strict=True):
             T_u = of.loop.T_motor if side == "motor" else of.loop.T_arm
             gain = analysis.largest_gamma(T_u, shifts, cutoffs)
@@ -148,14 +149,11 @@ def gamma_maps(file: Path, seed: int, of: Study = THESIS) -> Table:
             at_thesis = gain[shifts == THESIS_SHIFT[side]][0]
             seen = weighted.max(axis=0) > 1e-3
             axes.plot(shifts[best][seen], cutoffs[seen], color="white", lw=1.2)
-            axes.set_title(f"Learning from the {side}")
-            axes.set_xlabel("shift δ [samples]")
             for cutoff in (0.5, 1.0, 5.0, 10.0, 17.0, 25.0, 30.0):
                 j = int(np.abs(cutoffs - cutoff).argmin())
                 i = best[j]
                 gains = (gain[i, j], weighted[i, j])
                 rows.append((side, cutoff, int(shifts[i]), *gains, int(of_fives[j]), at_thesis[j]))
-        grid[0].set_ylabel("cutoff of Q [Hz]")
         label = "largest γ · |Tᵤ(0)|   (white: best shift)"
         bar = grid[0].figure.colorbar(grid[0].collections[0], ax=list(grid), label=label)
         bar.outline.set_visible(False)
@@ -176,12 +174,10 @@ def learning_curves(file: Path, seed: int, of: Study = THESIS) -> Table:
     titles = ("Without Q", "With Q")
     if of.is_thesis:
         titles = ("Without Q: better at first, then it grows", "With Q: it stays")
-    labels: dict[str, Any] = {
-        "xlabel": "iteration k",
-        "ylabel": "motor error, 2-norm over its first",
-    }
-    look: dict[str, Any] = {"titles": titles, "legends": [0, 1], "sharey": True}
-    with charts(file, (9.6, 4.0), 2, **look, **labels) as grid:
+    labels, size = ("iteration k", "motor error, 2-norm over its first"), (9.6, 4.0)
+    with charts(
+        file, size, 1, 2, titles=titles, labels=labels, legends=[0, 1], sharey=True
+    ) as grid:
         for axes, runs in zip(grid, (without, filtered), strict=True):
             for name, run in runs.items():
                 axes.semilogy(run.motor / run.motor[0], label=name)
@@ -200,9 +196,10 @@ def model_error(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Fig 8.11: both sides with an ideal and a wrong reference filter."""
     runs = {"ideal model": of.learned(), "model error": of.learned(2.0)}
     rows = []
-    labels: dict[str, Any] = {"xlabel": "iteration k", "ylabel": "error, 2-norm over its first"}
-    look: dict[str, Any] = {"titles": ("Motor side", "Arm side"), "legends": [0, 1], "sharey": True}
-    with charts(file, (9.6, 4.0), 2, **look, **labels) as grid:
+    titles, labels = ("Motor side", "Arm side"), ("iteration k", "error, 2-norm over its first")
+    with charts(
+        file, (9.6, 4.0), 1, 2, titles=titles, labels=labels, legends=[0, 1], sharey=True
+    ) as grid:
         for axes, side in zip(grid, ("motor", "arm"), strict=True):
             for name, run in runs.items():
                 norms = getattr(run, side)
@@ -220,15 +217,9 @@ def signals(
     plant, letter = runs.plant, side[0]
     r = plant.motor_reference if side == "motor" else plant.arm_reference
     t = np.arange(len(r)) * of.loop.sample_time
-    titles = [f"k = {k}" for k in SHOWN]
-    labels: dict[str, Any] = {
-        "xlabel": "time [s]",
-        "ylabel": "angle [rad]",
-        "titles": titles,
-        "legends": [0],
-    }
-    shared: dict[str, Any] = {"sharex": True, "sharey": "row"}
-    with charts(file, (10.5, 4.6), len(SHOWN), 2, **labels, **shared) as grid:
+    titles, labels = [f"k = {k}" for k in SHOWN], ("time [s]", "angle [rad]")
+    shared: dict[str, Any] = {"legends": [0], "sharex": True, "sharey": "row"}
+    with charts(file, (10.5, 4.6), 2, len(SHOWN), titles=titles, labels=labels, **shared) as grid:
         uppers, lowers = grid.reshape(2, -1)
         for upper, lower, k in zip(uppers, lowers, SHOWN, strict=True):
             q = getattr(runs.kept[k].result, side)

@@ -1,7 +1,6 @@
 """Figures beyond chapter 8 on its joint: choice of L and Q, algorithms, robustness, friction."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,7 @@ from armside.ilc.models.two_mass import FrictionPlant, TwoMassLoop
 from armside.ilc.two_mass_study import Study
 from armside.sim.evaluation.check import Table
 
-from .canvas import COLORS, INK, panels
+from .canvas import INK, panels
 from .design import draw_disc
 
 LOOP = TwoMassLoop()
@@ -30,33 +29,7 @@ NYQUIST_SHIFTS = (0, 2, 4, 6)
 """[samples]."""
 
 
-@contextmanager
-def charts(
-    file: Path,
-    size: tuple[float, float],
-    columns: int = 1,
-    rows: int = 1,
-    *,
-    xlabel: str,
-    ylabel: str = "",
-    titles: Sequence[str] = (),
-    legends: Sequence[int] = (),
-    **shared: Any,
-) -> Iterator[Any]:
-    """Panels whose curves take the colours in turn; legends: indices of those that have one."""
-    with panels(file, size, rows, columns, large=True, **shared) as grid:
-        for axes in grid:
-            axes.set_prop_cycle(color=COLORS)
-        yield grid
-        for axes, title in zip(grid, titles, strict=False):
-            axes.set_title(title)
-        grid[0].set_ylabel(ylabel)
-        for i in legends:
-            grid[i].legend()
-        for axes in grid:
-            axes.grid(True)
-        for axes in grid[-columns:]:
-            axes.set_xlabel(xlabel)
+charts = partial(panels, large=True, ruled=True)
 
 
 def decibel(value: Any) -> Any:
@@ -69,18 +42,19 @@ def nyquist(file: Path, seed: int, of: Study = THESIS) -> Table:
     omega = frequency_grid(4000)
     T_u, f = of.loop.T_motor, hertz(omega, of.loop.sample_time)
     rows = []
-    with panels(file, (9.0, 4.6), 1, 2, edges=PLAIN, large=True) as (whole, near):
+    titles = "Inside the circle, a frequency is learned", "Near the origin every curve leaves it"
+    labels, size = ("real part of LTᵤ", "imaginary part"), (9.0, 4.6)
+    with panels(file, size, 1, 2, titles=titles, labels=labels, edges=PLAIN, large=True) as (
+        whole,
+        near,
+    ):
         for axes in (whole, near):
-            axes.set_prop_cycle(color=COLORS)
             draw_disc(axes, 1.0)
             for delta in NYQUIST_SHIFTS:
                 curve = shift_response(of.gamma, delta, omega) * T_u.response(omega)
                 axes.plot(curve.real, curve.imag, label=f"δ = {delta}")
-            axes.set_xlabel("real part of LTᵤ")
-        whole.set(xlim=(-0.4, 2.1), ylim=(-1.1, 1.1), ylabel="imaginary part")
+        whole.set(xlim=(-0.4, 2.1), ylim=(-1.1, 1.1))
         near.set(xlim=(-0.08, 0.08), ylim=(-0.08, 0.08))
-        whole.set_title("Inside the circle, a frequency is learned")
-        near.set_title("Near the origin every curve leaves it")
         near.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     for delta in NYQUIST_SHIFTS:
         result = heuristic_criterion(T_u, of.gamma, delta, ALL_PASS, omega)
@@ -97,13 +71,12 @@ def why_q(file: Path, seed: int, of: Study = THESIS) -> Table:
     f, T_u = hertz(omega, of.loop.sample_time), of.loop.T_motor
     phase = np.degrees(np.unwrap(np.angle(T_u.response(omega))))
     rows = []
-    labels: dict[str, Any] = {"xlabel": "frequency [Hz]", "ylabel": "phase of LTᵤ [°]"}
+    labels = "frequency [Hz]", "phase of LTᵤ [°]"
     titles = ("L a shift: none stays within ± 90°", "L a rough model run backwards: most do")
-    with charts(file, (10.5, 4.6), 2, titles=titles, **labels) as (left, right):
+    with charts(file, (10.5, 4.6), 1, 2, titles=titles, labels=labels) as (left, right):
         for axes in (left, right):
             axes.axhspan(-90, 90, color="#EEF3E8")
-            axes.set_xlim(0.2, 50)
-            axes.set_xscale("log")
+            axes.set(xlim=(0.2, 50), xscale="log")
             axes.xaxis.set_major_formatter("{x:g}")
         for delta in (0, 1, 2, 3, 5):
             shifted = phase + np.degrees(delta * omega)
@@ -133,12 +106,8 @@ def _beyond(f: Array, degrees: Array) -> tuple[float | str, float | str, float]:
 def algorithms(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Algorithms 1 to 3 of thesis 7.5 on the same joint."""
     rows, plant = [], of.plant
-    labels: dict[str, Any] = {
-        "xlabel": "iteration k + 1",
-        "ylabel": "2-norm over its first",
-        "legends": [0],
-    }
-    with charts(file, (7.0, 4.0), titles=["Motor error of three designs"], **labels) as (axes,):
+    titles, labels = ["Motor error of three designs"], ("iteration k + 1", "2-norm over its first")
+    with charts(file, (7.0, 4.0), titles=titles, labels=labels, legends=[0]) as (axes,):
         for name, law in study.algorithms(of).items():
             norms = study.run(plant, law, 100).motor
             axes.loglog(np.arange(1, 102), norms / norms[0], label=name)
@@ -153,10 +122,12 @@ def robustness(file: Path, seed: int, of: Study = THESIS) -> Table:
     factors, law = np.geomspace(0.2, 5.0, 25), of.one_heuristic
     contractions = contraction_map(of.loop, law, ("Jm", factors), ("k", factors))
     rows, rng = [], np.random.default_rng(seed)
-    with panels(file, (10.0, 4.2), 1, 2, edges=PLAIN, large=True) as (left, right):
-        right.set_prop_cycle(color=COLORS)
-        look: dict[str, Any] = {"vmin": 0.7, "vmax": 1.3, "cmap": "RdYlGn_r"}
-        mesh = left.pcolormesh(factors, factors, contractions, **look)
+    titles = "Worst |Q(1 − LTᵤ)|; line: 1", "All parameters uncertain, 200 joints each"
+    with panels(file, (10.0, 4.2), 1, 2, titles=titles, legends=[1], edges=PLAIN, large=True) as (
+        left,
+        right,
+    ):
+        mesh = left.pcolormesh(factors, factors, contractions, vmin=0.7, vmax=1.3, cmap="RdYlGn_r")
         left.contour(factors, factors, contractions, levels=[1.0], colors=INK)
         left.set(xscale="log", yscale="log")
         for axis in (left.xaxis, left.yaxis):
@@ -164,7 +135,6 @@ def robustness(file: Path, seed: int, of: Study = THESIS) -> Table:
             axis.set_ticks([0.2, 0.5, 1, 2, 5])
             axis.set_ticks([], minor=True)
         left.set(xlabel="stiffness k, times nominal", ylabel="motor inertia Jₘ, times nominal")
-        left.set_title("Worst |Q(1 − LTᵤ)|; line: 1")
         left.figure.colorbar(mesh, ax=left).outline.set_visible(False)
         for spread in (0.2, 0.5, 1.0):
             sampled = monte_carlo(of.loop, law, spread, 200, rng)
@@ -174,8 +144,6 @@ def robustness(file: Path, seed: int, of: Study = THESIS) -> Table:
             rows.append((f"{1 + spread:g}", converge, x[-1], sampled.most_harmful()))
         right.axvline(1.0, color=INK, lw=1.0)
         right.set(xlabel="worst |Q(1 − LTᵤ)|", ylabel="joints at or below [%]")
-        right.set_title("All parameters uncertain, 200 joints each")
-        right.legend()
     design = f"gamma = {of.gamma:g}, delta = {of.delta}, {of.cutoff:g} Hz"
     title = f"Robustness of {design} to the joint's parameters"
     columns = ("factors up to", "contract [%]", "worst contraction", "most harmful")
@@ -185,12 +153,8 @@ def robustness(file: Path, seed: int, of: Study = THESIS) -> Table:
 def friction(file: Path, seed: int, of: Study = THESIS) -> Table:
     """Coulomb friction and measurement noise in the joint."""
     rows = []
-    labels: dict[str, Any] = {
-        "xlabel": "iteration k",
-        "ylabel": "2-norm of the error [rad]",
-        "legends": [1],
-    }
-    with charts(file, (9.6, 4.0), 2, titles=("Motor side", "Arm side"), **labels) as grid:
+    titles, labels = ("Motor side", "Arm side"), ("iteration k", "2-norm of the error [rad]")
+    with charts(file, (9.6, 4.0), 1, 2, titles=titles, labels=labels, legends=[1]) as grid:
         for c, noise in ((0.0, 0.0), (0.05, 0.0), (0.2, 0.0), (0.05, 0.01)):
             rng = np.random.default_rng(seed)
             plant = FrictionPlant(loop=of.loop, coulomb=c, noise=noise, rng=rng)

@@ -3,12 +3,13 @@
 Bands and individuals are stated in `paper_bands`; a section takes medians over those of judgement.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from matplotlib.colors import TABLEAU_COLORS
 
 from armside.arrays import Array
 from armside.ilc.bench_study import ERRORS, ESTIMATES, LAWS, BenchEstimation, BenchLearning
@@ -16,9 +17,8 @@ from armside.sim.evaluation.check import Check, Table
 from armside.sim.laser.strokes import StrokesJob
 
 from ..figures.canvas import logarithmic, panels
-from ..jobs.store import Job
 from .paper_bands import BANDS, JUDGEMENT, NOT_BUILT, ON_ARMS, OUTSIDE
-from .report import Asked, Entry, Part, Read, Section
+from .report import Entry, Part, Read, Section
 
 PRINTED = {"reference": (0.026, 0.059), "torque M": (0.058, 0.128), "torque L": (0.012, 0.038)}
 """T1: RMS of run 10 [mrad] with the right model and with that which is wrong by 15 %."""
@@ -28,10 +28,6 @@ SHOWN = "k + 15 %, Jl - 15 %"
 """Wrong model that is drawn."""
 PRINTED_T3 = {"torsion": 0.327, "dkf": 0.116, "dkf acc": 0.116, "kkf": 0.105, "kkf acc": 0.181}
 """T3, chirp [mrad]; DKF 20 % off: 0.199."""
-
-
-def _check(id: str, value: float, reason: str = "") -> Check:
-    return replace(BANDS[id], id=id, ours=float(value), reason=reason)
 
 
 def bench(read: Read, folder: Path) -> Section:
@@ -53,11 +49,10 @@ def bench(read: Read, folder: Path) -> Section:
         f"{', '.join(clear) or 'none'}; the error of the paper is not printed"
     )
     checks = [
-        _check("bench-first", first[0]),
-        _check("bench-first-peak", first[1]),
-        _check("bench-ten", max(last["right", law] for law in LAWS)),
-        _check("bench-wrong", len(wrong) - len(ordered), agree),
-        _check("bench-wrong-load", load),
+        *_checks({"bench-first": first[0], "bench-first-peak": first[1]}),
+        *_checks({"bench-ten": max(last["right", law] for law in LAWS)}),
+        BANDS["bench-wrong"].check("bench-wrong", len(wrong) - len(ordered), agree),
+        *_checks({"bench-wrong-load": load}),
     ]
     rows = [
         [error, *(round(float(v), 3) for v in median[error, "reference"][0])]
@@ -73,8 +68,8 @@ def bench(read: Read, folder: Path) -> Section:
     head = ["model", "first RMS", "first peak", *(f"run 10, {law}" for law in LAWS)]
     with panels(folder / "papers-bench.png", (8.0, 3.2), 1, 2, sharey=True) as axes:
         for axis, error in zip(axes, ("right", SHOWN), strict=True):
-            for law in LAWS:
-                axis.plot(range(1, 11), median[error, law][:, 0], ".-", label=law)
+            for law, color in zip(LAWS, TABLEAU_COLORS, strict=False):
+                axis.plot(range(1, 11), median[error, law][:, 0], ".-", color=color, label=law)
             axis.set(title=f"model: {error}", xlabel="run", ylabel="load error, RMS [mrad]")
             logarithmic(axis)
         axes[0].legend()
@@ -88,17 +83,15 @@ def estimators(read: Read, folder: Path) -> Section:
     runs = [read(BenchEstimation(seed)) for seed in JUDGEMENT]
     found = {name: np.array([float(run[name]) for run in runs]) for name in ESTIMATES}
     off = np.maximum(found["dkf k - 20 %"], found["dkf k + 20 %"]) / found["dkf"]
-    checks = [
-        _check("T3-dkf", np.median(off)),
-        _check("T3-kkf", np.median(found["kkf"] / found["kkf acc"])),
-    ]
+    kkf = np.median(found["kkf"] / found["kkf acc"])
+    checks = _checks({"T3-dkf": np.median(off), "T3-kkf": kkf})
     rows = [
         [name, PRINTED_T3.get(name, 0.199), *(round(float(f(found[name])), 3) for f in SPREAD)]
         for name in ESTIMATES
     ]
     with panels(folder / "papers-estimators.png", (6.0, 3.2)) as (axis,):
-        for name in ESTIMATES:
-            axis.plot(JUDGEMENT, found[name], ".-", label=name)
+        for name, color in zip(ESTIMATES, TABLEAU_COLORS, strict=False):
+            axis.plot(JUDGEMENT, found[name], ".-", color=color, label=name)
         axis.set(xlabel="individual", ylabel="load angle, RMS error [mrad]", ylim=0)
         axis.legend(loc="upper left", bbox_to_anchor=(1, 1))
     caption = (
@@ -138,13 +131,9 @@ def square(robot: str, suffix: str, read: Read, folder: Path) -> Section:
         found = np.array([runs[measure, seed][field] for seed in ON_ARMS])
         return found / found[:, :1]
 
-    checks = [
-        replace(_check(id, np.median(each(*what)[:, -1])), id=f"{id}{suffix}")
-        for id, what in T1.items()
-    ]
+    ours = {id: np.median(each(*what)[:, -1]) for id, what in T1.items()}
     by_motors, by_estimate = (each(m, "tcp_rms")[:, -1] for m in ("motor", "estimate"))
-    exceptions = float(np.count_nonzero(~(by_estimate < by_motors)))
-    checks.append(replace(_check("T1-tcp-order", exceptions), id=f"T1-tcp-order{suffix}"))
+    checks = _checks(ours | {"T1-tcp-order": np.sum(~(by_estimate < by_motors))}, suffix)
     first = {f: np.median([runs["motor", s][f][0] for s in ON_ARMS]) for f in SHOWN_FIELDS}
     rows = [
         [field, float(first[field] * (1e3 if "tcp" in field else 1.0))]
@@ -155,8 +144,8 @@ def square(robot: str, suffix: str, read: Read, folder: Path) -> Section:
     with panels(folder / f"{id}.png", (9.0, 3.2), 1, 3) as axes:
         titles = ("acceleration_rms", "tcp_rms", "tcp_rms_less_rest")
         for axis, field in zip(axes, titles, strict=True):
-            for measure in MEASURES:
-                axis.plot(np.median(each(measure, field), axis=0), ".-", label=measure)
+            for name, color in zip(MEASURES, TABLEAU_COLORS, strict=False):
+                axis.plot(np.median(each(name, field), axis=0), ".-", color=color, label=name)
             axis.set(title=field, xlabel="k", ylabel="over k = 0", ylim=0)
         axes[0].legend()
     speed = float(np.median([runs["motor", s]["reached_speed"] for s in ON_ARMS]))
@@ -180,28 +169,26 @@ def not_built(_: Read, __: Path) -> Section:
 SPREAD: Sequence[Callable[[Array], float]] = (np.median, np.min, np.max)
 
 
+def _checks(ours: Mapping[str, Any], suffix: str = "") -> list[Check]:
+    """Numbers by the id of their band."""
+    return [BANDS[id].check(f"{id}{suffix}", value) for id, value in ours.items()]
+
+
 def _section(id: str, title: str, caption: str, checks: Sequence[Check], table: Table) -> Section:
     return Section(id, title, caption, [f"{id}.png"], checks, [table], source="paper")
 
 
-def _entry(id: str, jobs: Sequence[Job], draw: Callable) -> Entry:
-    def make(_: Asked) -> Part:
-        return Part(jobs, draw)
-
-    return Entry(id, make)
-
-
-ENTRIES = [
-    _entry("papers-bench", [BenchLearning(s, e) for s in JUDGEMENT for e in ERRORS], bench),
-    _entry("papers-estimators", [BenchEstimation(s) for s in JUDGEMENT], estimators),
-    *(
-        _entry(
-            f"papers-square{suffix}",
+PARTS = {
+    "papers-bench": Part([BenchLearning(s, e) for s in JUDGEMENT for e in ERRORS], bench),
+    "papers-estimators": Part([BenchEstimation(s) for s in JUDGEMENT], estimators),
+    **{
+        f"papers-square{suffix}": Part(
             [StrokesJob(robot, m, s) for m in MEASURES for s in ON_ARMS],
             partial(square, robot, suffix),
         )
         for robot, suffix in (("m16ib_like.toml", ""), ("large", "-large"))
-    ),
-    _entry(OUTSIDE, [], not_built),
-]
+    },
+    OUTSIDE: Part([], not_built),
+}
+ENTRIES = [Entry(id, lambda _, part=part: part) for id, part in PARTS.items()]
 """Sections in the order of the report."""

@@ -9,12 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from armside.kinematics import CATALOGUE, Arm
+from armside.kinematics import CATALOGUE
 from armside.kinematics.calibration import (
     Calibration,
     CalibrationCfg,
     JointErrors,
-    Measurements,
     calibrate,
 )
 from armside.sim.evaluation.check import Check, Table
@@ -42,7 +41,7 @@ def ur10(seed: int, data: Path, folder: Path) -> Section:
     arm, poses = CATALOGUE["ur10"], read_poses(data / SERIES_C).measurements
     half = calibrate(arm, poses, CalibrationCfg(in_order=True), seed=seed)
     few = CalibrationCfg(poses=50, joint_errors=JointErrors(40, True))
-    fifty = [_mean(arm, poses, few, seed + k) for k in range(5)]
+    fifty = [calibrate(arm, poses, few, seed=seed + k).errors("full").mean for k in range(5)]
     of_calibration.draw_residuals(folder / "real-ur10.png", half)
     full = half.errors("full")
     checks = [
@@ -55,10 +54,6 @@ def ur10(seed: int, data: Path, folder: Path) -> Section:
     caption = "Held-out error of the tool. Joint harmonics interpolate only."
     title = "UR10: kinematic calibration"
     return Section("real-ur10", title, caption, ["real-ur10.png"], checks, [_held_out(half)])
-
-
-def _mean(arm: Arm, poses: Measurements, cfg: CalibrationCfg, seed: int) -> float:
-    return calibrate(arm, poses, cfg, seed=seed).errors("full").mean
 
 
 def irb120(seed: int, data: Path, folder: Path) -> Section:
@@ -88,9 +83,9 @@ def imu(seed: int, data: Path, folder: Path) -> Section:
     rows: list[Sequence[object]] = []
     for day in done:
         m = day.measures
-        fractions = m.angular_velocity_error / m.angular_velocity
-        accelerations = m.acceleration_error / m.acceleration
-        rows.append([day.name, *(round(100.0 * float(f), 1) for f in (*fractions, *accelerations))])
+        turns = m.angular_velocity_error / m.angular_velocity
+        parts = (*turns, *(m.acceleration_error / m.acceleration))
+        rows.append([day.name, *(round(100.0 * float(part), 1) for part in parts)])
     head = ["day", *(f"{name} {a} [%]" for name in ("ω", "a") for a in "xyz")]
     checks = [
         _at_most("R3.1", "gyro scale, largest difference of days", found.gyro_scale, 0.005),
@@ -112,14 +107,7 @@ def gears(seed: int, data: Path, folder: Path) -> Section:
     shams = [one.sham_tool.pooled for one in judged if one.sham_tool]
     fused = [one.smoothed.pooled for one in judged if one.smoothed]
     rows = [
-        [
-            one.recording,
-            f"{b.band[0]:g}-{b.band[1]:g}",
-            1e6 * b.rms,
-            1e6 * b.floor,
-            b.gears,
-            b.fused,
-        ]
+        [one.recording, "{:g}-{:g}".format(*b.band), UM * b.rms, UM * b.floor, b.gears, b.fused]
         for one in judged
         for b in one.bands
     ]

@@ -8,7 +8,6 @@ robot. Poses of the IRB1400 are compared with those of other toolboxes. Thesis 5
 from collections.abc import Mapping
 from contextlib import suppress
 
-import mujoco
 import numpy as np
 
 from armside import kinematics
@@ -18,6 +17,7 @@ from armside.sim.cell import CELLS
 from armside.sim.evaluation.check import Check
 from armside.sim.imu.phases import FAST_CIRCLE, SLOW_CIRCLE
 from armside.sim.imu.vibration import lines
+from armside.sim.robot.kinematics_check import site_poses
 from armside.sim.robot.model import load_model
 
 from ..jobs.store import Result
@@ -43,8 +43,9 @@ def differences() -> dict[str, float | None]:
     """Largest difference of an entry of the pose from ours, by toolbox; None: not installed."""
     phi = motor_angles()
     ours = kinematics.compile(IRB1400).pose(phi)
+    by_mujoco, _ = site_poses(load_model(CELLS["irb1400"].xml), phi)
     q = IRB1400.joint_variables(phi)
-    found: dict[str, float | None] = {MUJOCO: _largest(_by_mujoco(phi) - ours)}
+    found: dict[str, float | None] = {MUJOCO: _largest(by_mujoco - ours)}
     found |= dict.fromkeys((PINOCCHIO, TOOLBOX))
     with suppress(ImportError):
         found[PINOCCHIO] = _largest(_by_pinocchio(q) - ours)
@@ -66,18 +67,6 @@ def _by_pinocchio(q: Array) -> Array:
         pin.framesForwardKinematics(model, data, each)
         found.append(data.oMf[tool].homogeneous)
     return np.array(found)
-
-
-def _by_mujoco(phi: Array) -> Array:
-    model = load_model(CELLS["irb1400"].xml)
-    data = mujoco.MjData(model.mj)
-    T = np.tile(np.eye(4), (len(phi), 1, 1))
-    for pose, angles in zip(T, phi, strict=True):
-        data.qpos[:] = model.posture @ angles
-        mujoco.mj_kinematics(model.mj, data)
-        pose[:3, :3] = data.site("tool0").xmat.reshape(3, 3)
-        pose[:3, 3] = data.site("tool0").xpos
-    return T
 
 
 FROM_TCP0 = (32.0, -26.0, 90.0)  # [mm], of the IMU in the zero pose, base axes, thesis (5.1)

@@ -10,7 +10,6 @@ from armside.sim.imu import ImuExperiment, ImuResult, RestExperiment
 from armside.sim.imu.imu_experiment import clock_errors, prepare, reprocessed, run_one
 from armside.sim.imu.phases import RECTANGLE
 from armside.sim.imu.vibration import run_rest
-from armside.sim.motion.planner import ProgramMotion
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +44,10 @@ class ImuJob:
         for prefix, processing in (("as_thesis_", cfg.as_in_the_thesis), ("best_", cfg.best)):
             again = _evaluated(reprocessed(result, processing))
             found |= {f"{prefix}{name}": value for name, value in again.items()}
-        found |= _moves(result.planned.motion)
+        reports = result.planned.motion.reports
+        rows = [(r.start, r.end, r.programmed.path or np.nan, r.reached) for r in reports]
+        names = ("move_start", "move_end", "move_speed", "move_reached")
+        found |= dict(zip(names, np.array(rows).T, strict=True))
         return found | {
             "log_time": recording.time,
             "motor_angle": recording.motor_angle,
@@ -64,12 +66,6 @@ def _evaluated(result: ImuResult) -> dict[str, Array]:
         found["fast_over_slow"] = result.fast_over_slow
         found["largest_in_rectangle"] = result.largest_in_rectangle
     return {name: np.asarray(value) for name, value in found.items()}
-
-
-def _moves(motion: ProgramMotion) -> dict[str, Array]:
-    rows = [(r.start, r.end, r.programmed.path or np.nan, r.reached) for r in motion.reports]
-    names = ("move_start", "move_end", "move_speed", "move_reached")
-    return dict(zip(names, np.array(rows).T, strict=True))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from armside.sim.evaluation.check import Check, Table
+from armside.sim.evaluation.check import Check
 
 from ..shell.console import cell
 from .report import FIGURES, Section
@@ -102,7 +102,10 @@ def _section_html(i: int, section: Section, figures: Path) -> str:
         parts.append(f'<p><img alt="{alt}" src="data:image/png;base64,{data}"></p>')
     if section.checks:
         parts.append(_rows_html(columns([section]), map(_check_html, section.checks)))
-    parts += [_table_html(table) for table in section.tables]
+    for table in section.tables:
+        cells = (((v, not isinstance(v, str)) for v in row) for row in table.rows)
+        rows = ("".join(_cell_html(v, number=number) for v, number in row) for row in cells)
+        parts.append(f"<p><b>{escape(table.title)}</b></p>{_rows_html(table.columns, rows)}")
     parts.append(f'<p class="made">{escape(_made(section))}</p>\n')
     return "\n".join(parts)
 
@@ -113,11 +116,6 @@ def _check_html(check: Check) -> str:
     kind = "holds" if check.holds else "fails"
     why = "" if check.holds else f'<div class="reason">{escape(check.reason)}</div>'
     return f'{cells}<td class="{kind}">{verdict}{why}</td>'
-
-
-def _table_html(table: Table) -> str:
-    rows = ("".join(_cell_html(v, number=not isinstance(v, str)) for v in r) for r in table.rows)
-    return f"<p><b>{escape(table.title)}</b></p>{_rows_html(table.columns, rows)}"
 
 
 def _cell_html(value: Any, *, number: bool) -> str:

@@ -4,7 +4,9 @@ Bands are our choice around one measured session of each paper (docs/papers.md).
 are chosen on the individuals of development; only those of judgement are reported.
 """
 
-from armside.sim.evaluation.check import Check
+from collections.abc import Mapping
+
+from .report import Band
 
 DEVELOPMENT = tuple(range(3))
 JUDGEMENT = tuple(range(100, 110))
@@ -12,45 +14,31 @@ JUDGEMENT = tuple(range(100, 110))
 ON_ARMS = JUDGEMENT[:3]
 """Of T1 on six axes: three of the ten, an estimate takes 20 s of processor each."""
 
-BANDS = {
-    "bench-first": Check("", "first run, RMS [mrad]", "0.354", 0, 0.3009, 0.4071),
-    "bench-first-peak": Check("", "first run, peak [mrad]", "0.91", 0, 0.7735, 1.0465),
-    "bench-ten": Check(
-        "", "run 10, right model, worst of three laws, RMS [mrad]", "0.058", 0, None, 0.10
-    ),
-    "bench-wrong": Check(
-        "",
+BANDS: Mapping[str, Band] = {
+    "bench-first": Band("first run, RMS [mrad]", "0.354", 0.3009, 0.4071),
+    "bench-first-peak": Band("first run, peak [mrad]", "0.91", 0.7735, 1.0465),
+    "bench-ten": Band("run 10, right model, worst of three laws, RMS [mrad]", "0.058", high=0.10),
+    "bench-wrong": Band(
         "stated errors of 15 % after which torque M > reference > torque L does not hold, of 6",
         "0.50 > 0.23 > 0.15 of the first run, error not printed",
-        0,
-        None,
-        0,
+        high=0,
     ),
-    "bench-wrong-load": Check(
-        "", "run 10, worst stated error, torque L over first run", "0.15", 0, None, 0.30
+    "bench-wrong-load": Band(
+        "run 10, worst stated error, torque L over first run", "0.15", high=0.30
     ),
-    "T3-dkf": Check("", "DKF, 20 % off (k, Jl opposite) over right", "1.7", 0, 1.4, 2.8),
-    "T3-kkf": Check("", "KKF with gyroscope over without", "0.58", 0, None, 0.95),
-    "T1-acceleration-motor": Check(
-        "", "acceleration, motor side, last / first", "1.40", 0, 1.1, 1.7
+    "T3-dkf": Band("DKF, 20 % off (k, Jl opposite) over right", "1.7", 1.4, 2.8),
+    "T3-kkf": Band("KKF with gyroscope over without", "0.58", high=0.95),
+    "T1-acceleration-motor": Band("acceleration, motor side, last / first", "1.40", 1.1, 1.7),
+    "T1-acceleration-load": Band("acceleration, estimate, last / first", "0.48", high=0.60),
+    "T1-tcp": Band("TCP, estimate, last / first, static part in", "0.49", high=0.50),
+    "T1-tcp-order": Band(
+        "individuals whose TCP is no better by the estimate than by motors", "0 of 1", high=0
     ),
-    "T1-acceleration-load": Check(
-        "", "acceleration, estimate, last / first", "0.48", 0, None, 0.60
-    ),
-    "T1-tcp": Check("", "TCP, estimate, last / first, static part in", "0.49", 0, None, 0.50),
-    "T1-tcp-order": Check(
-        "",
-        "individuals whose TCP is no better by the estimate than by motors",
-        "0 of 1",
-        0,
-        None,
-        0,
-    ),
-    "T1-rest": Check("", "acceleration at rest, motor side, last / first", "2.65", 0, 1.5),
-    "T1-peak": Check("", "TCP peak, estimate, last / first", "0.40", 0, None, 0.50),
-    "T1-peak-motor": Check("", "TCP peak, motor side, last / first", "1.00", 0, 0.8),
+    "T1-rest": Band("acceleration at rest, motor side, last / first", "2.65", 1.5),
+    "T1-peak": Band("TCP peak, estimate, last / first", "0.40", high=0.50),
+    "T1-peak-motor": Band("TCP peak, motor side, last / first", "1.00", 0.8),
 }
-"""Without a value. Medians over the individuals, ratios where the robot is another one."""
+"""Medians over the individuals, ratios where the robot is another one."""
 
 NOT_BUILT = {
     "T2-smoother": ("smoother over motor angles, position, static part in", "0.42", "≤ 0.42"),

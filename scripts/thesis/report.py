@@ -4,9 +4,10 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from armside.sim.evaluation.check import Check, Table
 from armside.sim.records.atomic import remove_stale, write_whole
@@ -24,6 +25,20 @@ KIND = "armside report"
 RESULTS, SECTIONS, FIGURES = "results", "sections", "figures"
 Read = Callable[[Job], Result]
 """Reader of the result of a job."""
+
+
+class Band(NamedTuple):
+    """A number of a work: its meaning, the work's own, and where ours should lie."""
+
+    statement: str
+    stated: str
+    low: float | None = None
+    high: float | None = None
+
+    def check(self, id: str, ours: ArrayLike, reason: str = "") -> Check:
+        """Our number, judged."""
+        low, high = self.low, self.high
+        return Check(id, self.statement, self.stated, float(np.asarray(ours)), low, high, reason)
 
 
 @dataclass(frozen=True)

@@ -68,36 +68,32 @@ def with_effects(
     friction: FrictionFactors = FrictionFactors(),
     temperature: float | None = None,
 ) -> RobotModel:
-    """The robot with these effects added.
+    """The robot with these effects; load friction is that of the holding torque at phi (n,) [rad].
 
-    Args:
-        phi: (n,) [rad], motor angles at which the holding torque of load friction is computed.
-        friction: of this robot individual.
-        temperature: of the gears [deg C]; that of the robot's file if None.
-
-    Raises ValueError for a temperature out of range, or without friction that depends on it.
+    temperature: of the gears [deg C]; that of the robot's file if None. Raises ValueError for one
+    out of range, or without friction that depends on it.
     """
     if temperature is not None:
-        _check_temperature(temperature, effects)
+        if Effect.LOAD_FRICTION not in effects:
+            raise ValueError("temperature needs friction that depends on load and temperature")
+        low, high = TEMPERATURES
+        if not low <= temperature <= high:
+            allowed = f"from {low:g} to {high:g} deg C"
+            raise ValueError(f"temperature must be {allowed}, got {temperature:g}")
     model = replace(model, mj=copy.copy(model.mj))
     if Effect.LOST_MOTION in effects:
         _set_lost_motion(model)
     if Effect.RIPPLE in effects:
-        _set_ripple(model)
+        size, order = numeric(model.mj, "torque_ripple", 2)
+        for axis, limit in zip(axis_actuators(model.mj), model.drives.torque_limit, strict=True):
+            model.mj.actuator_biasprm[axis, _COGGING] = (size * limit, order, 0.0)
     if Effect.GEAR_ERROR in effects:
-        model = replace(model, gear_error=_gear_error(model))
+        amplitude, order = gear_orders(model)
+        error = GearError(amplitude=amplitude, order=order, phase=gear_phases(model))
+        model = replace(model, gear_error=error)
     if Effect.LOAD_FRICTION in effects:
         _set_load_friction(model, phi, friction, temperature)
     return model
-
-
-def _check_temperature(temperature: float, effects: Collection[Effect]) -> None:
-    if Effect.LOAD_FRICTION not in effects:
-        raise ValueError("temperature needs friction that depends on load and temperature")
-    coldest, warmest = TEMPERATURES
-    if not coldest <= temperature <= warmest:
-        allowed = f"from {coldest:g} to {warmest:g} deg C"
-        raise ValueError(f"temperature must be {allowed}, got {temperature:g}")
 
 
 def _set_lost_motion(model: RobotModel) -> None:
@@ -109,12 +105,6 @@ def _set_lost_motion(model: RobotModel) -> None:
         mj.tendon_stiffness[tendon] = mj.jnt_stiffness[joint] - soft[i]
         mj.tendon_lengthspring[tendon] = (-half[i], half[i])
         mj.jnt_stiffness[joint] = soft[i]
-
-
-def _set_ripple(model: RobotModel) -> None:
-    amplitude, order = numeric(model.mj, "torque_ripple", 2)
-    for axis, limit in zip(axis_actuators(model.mj), model.drives.torque_limit, strict=True):
-        model.mj.actuator_biasprm[axis, _COGGING] = (amplitude * limit, order, 0.0)
 
 
 def gear_orders(model: RobotModel) -> tuple[Array, Array]:
@@ -130,11 +120,6 @@ def gear_phases(model: RobotModel) -> Array:
     return numeric(model.mj, "gear_error_phase", size).reshape(-1, N_HARMONICS)
 
 
-def _gear_error(model: RobotModel) -> GearError:
-    amplitude, order = gear_orders(model)
-    return GearError(amplitude=amplitude, order=order, phase=gear_phases(model))
-
-
 # Bittencourt's model of an ABB axis, identified on axis 2 of an IRB6620 (26 N m), relative to the
 # peak torque: robot-data 3.3 after Yan, Li, Meng 2020.
 _FC0, _FCL, _FSL, _FS0, _FST, _FV0, _FVT = 0.0311, 0.0234, 0.126, -0.025, 0.0016, 1.3e-4, 1.32e-3
@@ -145,12 +130,9 @@ TEMPERATURES = (26.0, 80.0)
 
 
 def load_friction(load: Array, temperature: float) -> tuple[Array, Array, float, float]:
-    """Friction of a drive at a load, both relative to the peak torque.
+    """Coulomb and static friction, as `load` over the peak torque; viscous [s/rad]; Stribeck speed.
 
-    temperature: [deg C], of the gear.
-
-    Returns:
-        Coulomb and static friction, shape of `load`; viscous [s/rad]; Stribeck speed [rad/s].
+    temperature: [deg C], of the gear. The Stribeck speed is in [rad/s].
     """
     load = np.abs(load)
     coulomb = _FC0 + _FCL * load
@@ -159,18 +141,13 @@ def load_friction(load: Array, temperature: float) -> tuple[Array, Array, float,
     return coulomb, static, viscous, -24.81 + 0.98 * temperature
 
 
-def relative_load(model: RobotModel, phi: Array) -> Array:
-    """(n,), holding torque at motor angles phi (n,) [rad] over the peak torque of each drive."""
-    drives = model.drives
-    return Statics(model).equilibrium(phi).holding_torque / drives.gear / drives.torque_limit
-
-
 def _set_load_friction(
     model: RobotModel, phi: Array, factors: FrictionFactors, temperature: float | None
 ) -> None:
     mj, limit = model.mj, model.drives.torque_limit
     warm = scalar(mj, "gear_temperature") if temperature is None else temperature
-    load = relative_load(model, phi)
+    holding = Statics(model).equilibrium(phi).holding_torque
+    load = holding / model.drives.gear / limit  # of the peak torque of each drive
     coulomb, static, viscous, stribeck = load_friction(load, warm)
     scale = numeric(mj, "load_friction_scale", model.n_axes)
     excess = scalar(mj, "load_friction_static") * (static - coulomb) * factors.static_excess

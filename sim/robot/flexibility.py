@@ -32,13 +32,10 @@ def variant(
     gear_stiffness: float = 1.0,
     structure_stiffness: float = 1.0,
 ) -> mujoco.MjModel:
-    """Compiled model of a robot's MJCF file without some springs, or with scaled ones.
+    """Compiled model of a robot's MJCF without some springs, or with scaled ones; see `stiffen`.
 
     The time step stays that of the file; shorten it where the highest mode [Hz] times the step [s]
-    passes 0.3, beyond which an explicit integrator is unstable.
-
-    The factors scale the springs of flex_1..n and of struct_*; see `stiffen`. Raises ValueError for
-    one that is not positive.
+    passes 0.3. Raises ValueError for a factor that is not positive.
     """
     for name, factor in (("gear", gear_stiffness), ("structure", structure_stiffness)):
         if not (np.isfinite(factor) and factor > 0.0):

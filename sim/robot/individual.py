@@ -3,6 +3,7 @@
 import copy
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -130,11 +131,14 @@ class Individual:
 
         Raises ModelError for values for another number of axes.
         """
-        every = {
-            item.name: _spread(item.name, getattr(self, item.name), n_axes)
-            for item in fields(self)
-            if item.name not in ("hidden", *OF_STRUCTURE)
-        }
+        every: dict[str, Any] = {}
+        for name in (item.name for item in fields(self)):
+            if name in ("hidden", *OF_STRUCTURE):
+                continue
+            if (value := getattr(self, name)).ndim and len(value) != n_axes:
+                allowed = f"one number or {n_axes}, one for each axis"
+                raise ModelError(f"{name} must be {allowed}, got {len(value)}")
+            every[name] = np.broadcast_to(value, (n_axes, *_MORE.get(name, ())))
         return replace(self, **every)
 
 
@@ -157,13 +161,6 @@ def _one_or_each(name: str, value: ArrayLike) -> Array:
     raise ValueError(f"{name} must be one number or one{rows} for each {each}, got shape {shape}")
 
 
-def _spread(name: str, value: Array, n_axes: int) -> Array:
-    if value.ndim and len(value) != n_axes:
-        allowed = f"one number or {n_axes}, one for each axis"
-        raise ModelError(f"{name} must be {allowed}, got {len(value)}")
-    return np.broadcast_to(value, (n_axes, *_MORE.get(name, ())))
-
-
 def embodied(
     design: RobotModel,
     individual: Individual,
@@ -173,12 +170,9 @@ def embodied(
     payload: float | None = None,
     temperature: float | None = None,
 ) -> RobotModel:
-    """Robot model of an individual of a design.
+    """Robot model of an individual, its load friction that of the holding torque at phi (n,) [rad].
 
-    Args:
-        phi: (n,) [rad], motor angles at which the holding torque of load friction is computed.
-        payload: mass of the tool [kg]; that of the design if None.
-        temperature: of the gears [deg C]; that of the design if None.
+    payload: mass of the tool [kg], temperature: of the gears [deg C]; those of the design if None.
     """
     individual = individual.of(design.n_axes)
     model = with_hinges(design, individual.hidden) if individual.hidden else design
@@ -192,10 +186,7 @@ def embodied(
 
 
 def with_individual(model: RobotModel, individual: Individual) -> RobotModel:
-    """Robot model of an individual of the design `model`, which has its effects already.
-
-    Hidden hinges, and what needs the law of load friction, are those of `embodied`.
-    """
+    """Robot model of an individual of the design `model`, with its effects and hidden hinges."""
     individual = individual.of(model.n_axes)
     model = with_friction(model, individual.friction)
     numbers = axes_of(model.mj)
@@ -212,15 +203,20 @@ def with_individual(model: RobotModel, individual: Individual) -> RobotModel:
     stiffen(mj, structure, individual.structure_stiffness)
     mj.dof_damping[mj.jnt_dofadr[gears]] *= individual.gear_damping[: len(gears)]
     mj.dof_damping[mj.jnt_dofadr[structure]] *= np.asarray(individual.structure_damping)
+    motors = {int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id]) for i in numbers}
     for i in numbers:
         tendon = mujoco.mj_name2id(mj, mujoco.mjtObj.mjOBJ_TENDON, f"gear_{i}")
         if tendon >= 0:  # the stiff part of a gear with lost motion, over its joint
             mj.tendon_stiffness[tendon] *= individual.gear_stiffness[i - 1]
             mj.tendon_lengthspring[tendon] *= individual.lost_motion[i - 1]
-        carried = _carried(mj, i)
+        body = int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id])
+        moved = [body]  # up to the next motor; a parent comes before its children
+        for other in range(body + 1, mj.nbody):
+            if other not in motors and int(mj.body_parentid[other]) in moved:
+                moved.append(other)
+        carried = [other for other in moved if mj.body(other).name != "tool"]
         mj.body_mass[carried] *= individual.mass[i - 1]
         mj.body_inertia[carried] *= individual.mass[i - 1]
-        body = int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id])
         mj.body_ipos[body] += individual.centre_of_mass[i - 1]
         mj.body_pos[body] += individual.position[i - 1]
         mujoco.mju_quatIntegrate(mj.body_quat[body], individual.orientation[i - 1], 1.0)
@@ -232,22 +228,8 @@ def with_individual(model: RobotModel, individual: Individual) -> RobotModel:
     return model
 
 
-def _carried(mj: mujoco.MjModel, axis: int) -> list[int]:
-    """Bodies that a motor carries up to the next motor, without the tool."""
-    motors = {int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id]) for i in axes_of(mj)}
-    own = int(mj.jnt_bodyid[mj.joint(f"motor_{axis}").id])
-    found = [own]
-    for body in range(own + 1, mj.nbody):  # a parent comes before its children
-        if body not in motors and int(mj.body_parentid[body]) in found:
-            found.append(body)
-    return [body for body in found if mj.body(body).name != "tool"]
-
-
 def as_built(design: RobotModel, individual: Individual) -> RobotModel:
-    """Individual of a design without effects, whose parsed file has the individual's numbers too.
-
-    The tool is that of the design's file. Raises ModelError as `with_hinges`.
-    """
+    """Individual of a design without effects and its tool, with the parsed file of its numbers."""
     model = with_individual(with_hinges(design, individual.hidden), individual)
     spec = model.parsed()
     spec.copy_back(model.mj)
@@ -259,8 +241,7 @@ def with_hinges(
 ) -> RobotModel:
     """Design with further elastic hinges in its structure, called NAME_0 and so on.
 
-    Raises ModelError for a body that the design lacks, a hinge on the axis of another joint of its
-    body, or a model without its parsed file.
+    Raises ModelError for a body that it lacks, a hinge on the axis of another, or no parsed file.
     """
     spec = design.parsed()
     bodies = [body.name for body in spec.bodies if body.name not in ("", "world")]
@@ -268,24 +249,18 @@ def with_hinges(
         if hinge.body not in bodies:
             known = f"Bodies: {', '.join(bodies)}"
             raise ModelError(f"a hidden hinge needs a body, got {hinge.body!r}. {known}")
-        body = spec.body(hinge.body)
-        _check_apart(body, hinge)
+        body, position = spec.body(hinge.body), np.array(hinge.position)
+        axis = np.array(hinge.axis) / np.linalg.norm(hinge.axis)
+        for other in body.joints:  # no mass would lie between two hinges on one axis
+            parallel = np.linalg.norm(np.cross(axis, other.axis)) < _SAME_AXIS
+            if parallel and np.linalg.norm(np.cross(axis, position - other.pos)) < _SAME_AXIS:
+                where = f"{other.name} of the body {hinge.body}"
+                raise ModelError(f"a hidden hinge lies on the axis of {where}: move or turn it")
         joint = body.add_joint(name=f"{name}_{i}", type=mujoco.mjtJoint.mjJNT_HINGE)
-        joint.axis, joint.pos = np.array(hinge.axis), np.array(hinge.position)
+        joint.axis, joint.pos = np.array(hinge.axis), position
         joint.stiffness = _linear(hinge.stiffness, joint.stiffness)
         joint.damping = _linear(hinge.damping, joint.damping)
     return robot_model(spec)
-
-
-def _check_apart(body: mujoco.MjsBody, hinge: HiddenHinge) -> None:
-    """Raise ModelError for a hinge on the axis of another: no mass would lie between the two."""
-    axis = np.array(hinge.axis) / np.linalg.norm(hinge.axis)
-    for joint in body.joints:
-        parallel = np.linalg.norm(np.cross(axis, joint.axis)) < _SAME_AXIS
-        apart = np.linalg.norm(np.cross(axis, np.array(hinge.position) - joint.pos))
-        if parallel and apart < _SAME_AXIS:
-            where = f"{joint.name} of the body {hinge.body}"
-            raise ModelError(f"a hidden hinge lies on the axis of {where}: move or turn it")
 
 
 def _linear(coefficient: float, like: Array) -> Array:
@@ -313,10 +288,7 @@ def stiffen(mj: mujoco.MjModel, springs: Sequence[int], factor: ArrayLike) -> No
 
 
 def with_payload(model: RobotModel, mass: float) -> RobotModel:
-    """Robot model with a tool of that mass [kg]: same centre of mass, inertia in proportion.
-
-    Raises ValueError for a negative mass, or a robot whose model has no body `tool` of its own.
-    """
+    """Robot model with a tool of that mass [kg], inertia in proportion, or ValueError."""
     if not (np.isfinite(mass) and mass >= 0.0):
         raise ValueError(f"payload must be >= 0 kg, got {mass:g}")
     mj = copy.copy(model.mj)

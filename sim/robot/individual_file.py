@@ -37,12 +37,7 @@ PARAMETERS = tuple(field.name for field in fields(Individual) if field.name != "
 
 
 def read_individual(file: Path) -> Individual:
-    """Individual of a file.
-
-    Raises:
-        ValueError: the file is not as described above; the message names file and field.
-        OSError: the file cannot be read.
-    """
+    """Individual of a file. Raises ValueError with file and field for a wrong one."""
     if not file.is_file():
         raise ValueError(f"{file} is no file; an individual is a number >= 0 or a TOML file")
     with file.open("rb") as content:
@@ -50,7 +45,18 @@ def read_individual(file: Path) -> Individual:
     if len(text) > LARGEST:
         raise ValueError(f"{file.name}: a file of an individual has at most {LARGEST} bytes")
     try:
-        return _individual(toml_of(text))
+        data = toml_of(text)
+        refuse_unknown("the file", data, (*PARAMETERS, "hidden"))
+        values: dict[str, Any] = {
+            name: _within(name, value, *RANGES.get(name, (*FACTORS, "")))
+            for name, value in data.items()
+            if name != "hidden"
+        }
+        hinges = data.get("hidden", [])
+        if not isinstance(hinges, list):
+            raise ValueError(f"hidden must be tables [[hidden]], got {hinges!r}")
+        hidden = tuple(_hinge(f"hidden hinge {i}", row) for i, row in enumerate(hinges, 1))
+        return Individual(**values, hidden=hidden)
     except (ValueError, TypeError, OverflowError, RecursionError) as error:
         raise ValueError(f"{file.name}: {' '.join(str(error).split())}") from error
 
@@ -64,20 +70,6 @@ def individual_toml(individual: Individual) -> str:
         tables["hidden"] = [asdict(hinge) for hinge in individual.hidden]
     head = "# A robot individual: factors on its design, offsets in m and rad.\n"
     return head + tomlkit.dumps(tables)
-
-
-def _individual(data: Mapping[str, Any]) -> Individual:
-    refuse_unknown("the file", data, (*PARAMETERS, "hidden"))
-    values: dict[str, Any] = {
-        name: _within(name, value, *RANGES.get(name, (*FACTORS, "")))
-        for name, value in data.items()
-        if name != "hidden"
-    }
-    hinges = data.get("hidden", [])
-    if not isinstance(hinges, list):
-        raise ValueError(f"hidden must be tables [[hidden]], got {hinges!r}")
-    hidden = tuple(_hinge(f"hidden hinge {i}", row) for i, row in enumerate(hinges, 1))
-    return Individual(**values, hidden=hidden)
 
 
 def _hinge(where: str, row: Any) -> HiddenHinge:

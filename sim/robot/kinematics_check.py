@@ -69,13 +69,15 @@ def check_kinematics(
 ) -> None:
     """Raise ModelError unless the tool of the MJCF is where the D-H model has it.
 
-    Compared in the zero pose and at random motor angles within their ranges, with every spring at
-    zero; closed chains must be closed there. The message has the largest difference, its place, and
-    the first axis that moves the tool differently.
-
-    with_imu: D-H model whose last frame is the IMU, compared with the site of that name.
+    Compared in the zero pose and at random motor angles within their ranges, every spring at zero
+    and closed chains closed. with_imu: D-H model whose last frame is the site imu.
     """
-    _same_axes(model, robot, limits)
+    n = model.posture.shape[1]
+    if not n == robot.n_joints == len(limits.lower):
+        raise ModelError(
+            f"the model has {n} axes, the D-H model {robot.name} {robot.n_joints} and its limits "
+            f"{len(limits.lower)}: they must be as many"
+        )
     phi = configurations(limits)
     T, opening = site_poses(model, phi)
     worst = int(np.argmax(opening))
@@ -93,23 +95,13 @@ def check_kinematics(
 def first_axis(model: RobotModel, robot: Robot) -> int | None:
     """Axis, counted from 1, that moves the tool by another motion; None where all axes agree.
 
-    Each axis moves alone out of the zero pose. Its motion in base axes, T T_0^-1, does not depend
-    on the tool: a tool mounted elsewhere makes no axis differ.
+    Each moves alone; its motion T T_0^-1 in base axes does not depend on how the tool is mounted.
     """
     alone = np.vstack((np.zeros(robot.n_joints), STEP * np.eye(robot.n_joints)))
     ours, theirs = site_poses(model, alone)[0], kinematics.compile(robot).pose(alone)
     motion, expected = ours[1:] @ np.linalg.inv(ours[0]), theirs[1:] @ np.linalg.inv(theirs[0])
     differ = np.flatnonzero(_off(*between(motion, expected)))
     return int(differ[0]) + 1 if len(differ) else None
-
-
-def _same_axes(model: RobotModel, robot: Robot, limits: Limits) -> None:
-    n = model.posture.shape[1]
-    if not n == robot.n_joints == len(limits.lower):
-        raise ModelError(
-            f"the model has {n} axes, the D-H model {robot.name} {robot.n_joints} and its limits "
-            f"{len(limits.lower)}: they must be as many"
-        )
 
 
 def _compare(what: str, T: Array, model: RobotModel, robot: Robot, phi: Array) -> None:
@@ -143,11 +135,9 @@ def _shown(value: float) -> str:
 
 
 def cell_model(cell: Cell, source: Path | mujoco.MjModel | None = None) -> RobotModel:
-    """Load a robot model and compare it with the cell's D-H model.
+    """Robot model that agrees with the cell's D-H model, or ModelError with the file.
 
     source: MJCF file in place of the cell's own, or a compiled variant of that.
-
-    Raises ModelError for a file that is no robot model, or one of another geometry.
     """
     source = cell.xml if source is None else source
     model = load_model(source)

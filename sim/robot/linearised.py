@@ -42,27 +42,18 @@ def linearised(
         raise ValueError(f"states, controls and outputs must have shapes {needed}, got {given}")
     if steps < 1:
         raise ValueError(f"steps must be >= 1, got {steps}")
-    data = mujoco.MjData(model)
-    A, B = np.zeros((n_samples, size, size)), np.zeros((n_samples, size, model.nu))
-    touching = 0
+    data, touching = mujoco.MjData(model), 0
+    A, B = np.tile(np.eye(size), (n_samples, 1, 1)), np.zeros((n_samples, size, model.nu))
+    A_step, B_step = np.zeros((size, size)), np.zeros((size, model.nu))
     for t in range(n_samples):
         mujoco.mj_setState(model, data, states[t], _STATE)
         data.ctrl[:] = controls[t]
-        A[t], B[t] = _sample(model, data, steps)
+        for _ in range(steps):
+            mujoco.mjd_transitionFD(model, data, _DIFFERENCE, True, A_step, B_step, None, None)
+            A[t], B[t] = A_step @ A[t], A_step @ B[t] + B_step
+            mujoco.mj_step(model, data)
         touching += data.ncon > 0
     if touching:
         text = f"contacts in {touching} of {n_samples} samples: the linear model holds while none"
         warn(f"{text} slips, comes or goes", RuntimeWarning, stacklevel=2)
     return TimeVarying(A, B, np.repeat(outputs[None], n_samples, axis=0))
-
-
-def _sample(model: mujoco.MjModel, data: mujoco.MjData, steps: int) -> tuple[Array, Array]:
-    """(A, B) of so many physics steps from a state."""
-    size = 2 * model.nv + model.na
-    A, B = np.eye(size), np.zeros((size, model.nu))
-    A_step, B_step = np.zeros((size, size)), np.zeros((size, model.nu))
-    for _ in range(steps):
-        mujoco.mjd_transitionFD(model, data, _DIFFERENCE, True, A_step, B_step, None, None)
-        A, B = A_step @ A, A_step @ B + B_step
-        mujoco.mj_step(model, data)
-    return A, B

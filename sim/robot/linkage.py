@@ -55,10 +55,7 @@ class Linkage:
         return rows
 
     def close(self, data: mujoco.MjData) -> None:
-        """Move the passive joints so that the cuts close; the other joints stay.
-
-        Raises RuntimeError when they cannot be closed.
-        """
+        """Move the passive joints alone so that the cuts close, or raise RuntimeError."""
         if self.is_open:
             return
         gap = np.full(3, np.inf)
@@ -150,10 +147,7 @@ class FreeMotion:
         return mujoco.MjData(self.mj)
 
     def place(self, data: mujoco.MjData, q: Array) -> None:
-        """Free joints at q, (n,) [rad]; passive ones close the cuts.
-
-        Raises RuntimeError when they cannot be closed.
-        """
+        """Free joints at q, (n,) [rad]; passive ones close the cuts, or RuntimeError."""
         if self.is_open:
             data.qpos[:] = q
             return

@@ -79,13 +79,17 @@ class RobotModel:
 
 
 def load_model(source: Path | str | mujoco.MjModel) -> RobotModel:
-    """Robot model of an MJCF file, which is parsed once, or of a compiled model.
-
-    Raises ModelError when the file does not compile or lacks a name.
-    """
+    """Robot model of an MJCF file or a compiled model. Raises ModelError for one that is none."""
     if isinstance(source, mujoco.MjModel):
         return _named(None, source)
-    return _named(*_parsed(Path(source)))
+    try:
+        spec = mujoco.MjSpec.from_file(str(Path(source)))
+        refuse_negative_mass(spec)
+        mj = spec.compile()
+    except ValueError as error:
+        first_line = str(error).strip().splitlines()[0]
+        raise ModelError(f"{source} is not a usable MJCF model: {first_line}") from error
+    return _named(spec, mj)
 
 
 def robot_model(spec: mujoco.MjSpec) -> RobotModel:
@@ -96,7 +100,11 @@ def robot_model(spec: mujoco.MjSpec) -> RobotModel:
 def _named(spec: mujoco.MjSpec | None, mj: mujoco.MjModel) -> RobotModel:
     require_names(mj)
     refuse_implausible(mj)
-    motor = _dofs(mj, "motor")
+    motor, actuators = _dofs(mj, "motor"), axis_actuators(mj)
+    integral = mj.actuator_gainprm[actuators, 5].any()  # the first activation of a dcmotor
+    brakes = [
+        mujoco.mj_name2id(mj, mujoco.mjtObj.mjOBJ_EQUALITY, f"brake_{i}") for i in axes_of(mj)
+    ]
     sensors = map(mj.sensor, range(mj.nsensor))
     return RobotModel(
         mj=mj,
@@ -104,23 +112,13 @@ def _named(spec: mujoco.MjSpec | None, mj: mujoco.MjModel) -> RobotModel:
         motor=motor,
         flex=_flex_dofs(mj),
         posture=posture(mj, motor),
-        integrator=_integrators(mj),
+        integrator=mj.actuator_actadr[actuators].copy() if integral else np.array([], dtype=int),
         springs=mj.jnt_dofadr[np.flatnonzero(mj.jnt_stiffness > 0.0)],
         drives=read_drives(mj),
         joint_range=np.array([mj.joint(f"motor_{i}").range for i in axes_of(mj)]),
-        brakes=_brakes(mj),
+        brakes=np.array(brakes if min(brakes) >= 0 else [], dtype=int),
         sensors={s.name: slice(int(s.adr[0]), int(s.adr[0] + s.dim[0])) for s in sensors},
     )
-
-
-def _parsed(path: Path) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
-    try:
-        spec = mujoco.MjSpec.from_file(str(path))
-        refuse_negative_mass(spec)
-        return spec, spec.compile()
-    except ValueError as error:
-        first_line = str(error).strip().splitlines()[0]
-        raise ModelError(f"{path} is not a usable MJCF model: {first_line}") from error
 
 
 def _dofs(mj: mujoco.MjModel, kind: str) -> np.ndarray:
@@ -150,18 +148,3 @@ def posture(mj: mujoco.MjModel, motor: np.ndarray) -> Array:
         if has(mj, mujoco.mjtObj.mjOBJ_NUMERIC, name):
             posture[dof] = numeric(mj, name, n)
     return posture
-
-
-def _integrators(mj: mujoco.MjModel) -> np.ndarray:
-    """A dcmotor with an integral gain keeps its integral first among its activations."""
-    actuators = axis_actuators(mj)
-    if not mj.actuator_gainprm[actuators, 5].any():
-        return np.array([], dtype=int)
-    return mj.actuator_actadr[actuators].copy()
-
-
-def _brakes(mj: mujoco.MjModel) -> np.ndarray:
-    names = [f"brake_{i}" for i in axes_of(mj)]
-    if not all(has(mj, mujoco.mjtObj.mjOBJ_EQUALITY, name) for name in names):
-        return np.array([], dtype=int)
-    return np.array([mj.eq(name).id for name in names])

@@ -125,12 +125,11 @@ def run_batch(
     *,
     threads: int = 1,
 ) -> list[Recording]:
-    """Run several loaded references of equal length, each on its own model, in one rollout.
-
-    The result does not depend on the number of threads.
-    """
+    """Run several loaded references of equal length in one rollout, whatever the threads."""
     applied = [
-        np.zeros_like(x.reference) if u is None else _checked_correction(u, x)
+        np.zeros_like(x.reference)
+        if u is None
+        else checked_signal(u, "correction", x.model.n_axes, x.reference)
         for x, u in zip(references, corrections, strict=True)
     ]
     inputs = [x.controls_with(u, rng) for x, u, rng in zip(references, applied, rngs, strict=True)]
@@ -173,14 +172,25 @@ def _roll_out(
     inputs = mujoco.mjtState.mjSTATE_CTRL
     if not all(loaded.powered.all() for loaded in references):
         inputs |= mujoco.mjtState.mjSTATE_EQ_ACTIVE
-        closed = np.stack([_active_constraints(loaded) for loaded in references])
+        # Constraints of the model throughout, and its brakes while the drives are off.
+        closed = np.stack(
+            [
+                np.tile(x.model.mj.eq_active0.astype(np.float64), (len(x.powered), 1))
+                for x in references
+            ]
+        )
+        for active, loaded in zip(closed, references, strict=True):
+            active[:, loaded.model.brakes] = ~loaded.powered[:, None]
         controls = np.concatenate((controls, closed), axis=2)
     alone = _ROLLOUT_ON_THREADS if n_data > 1 else nullcontext()
     with alone, Rollout(nthread=n_data if n_data > 1 else 0) as rollout:
         result = rollout.rollout(models, data, initial, controls, control_spec=int(inputs))
     states, sensors = (np.asarray(part, dtype=np.float64) for part in result)
     for i, loaded in enumerate(references):
-        _blank_after_instability(states[i], sensors[i], loaded.model.timestep)
+        time, step = states[i, :, 0], loaded.model.timestep
+        if time[-1] < (len(time) - 0.5) * step:  # from there on the last state and time repeat
+            unstable = int(np.argmax(np.diff(time) < 0.5 * step)) + 1
+            states[i, unstable:] = sensors[i, unstable:] = np.nan
     return states, sensors
 
 
@@ -200,25 +210,6 @@ def _data(mj: mujoco.MjModel, count: int) -> list[mujoco.MjData]:
     for data in kept[:count]:
         mujoco.mj_resetData(mj, data)
     return kept[:count]
-
-
-def _active_constraints(loaded: LoadedReference) -> Array:
-    """(M, neq): those of the model throughout, and its brakes while the drives are off."""
-    mj = loaded.model.mj
-    active = np.tile(mj.eq_active0.astype(np.float64), (len(loaded.powered), 1))
-    active[:, loaded.model.brakes] = ~loaded.powered[:, None]
-    return active
-
-
-def _blank_after_instability(states: Array, sensors: Array, step: float) -> None:
-    """NaN from the first unstable step on, where the rollout repeats its last state and time."""
-    if states[-1, 0] < (len(states) - 0.5) * step:
-        unstable = int(np.argmax(np.diff(states[:, 0]) < 0.5 * step)) + 1
-        states[unstable:] = sensors[unstable:] = np.nan
-
-
-def _checked_correction(u: Array, loaded: LoadedReference) -> Array:
-    return checked_signal(u, "correction", loaded.model.n_axes, loaded.reference)
 
 
 def checked_signal(values: Array, name: str, n_axes: int, like: Array | None = None) -> Array:
@@ -246,8 +237,7 @@ def truth(
 ) -> tuple[Truth, Limits]:
     """Ground truth of one run. Sensor row i belongs to time i h, state row i to (i + 1) h.
 
-    It takes the full physics state at the start, controls (M, nu) in motor units as they were run,
-    and states and sensors (M, ...) as the rollout returns them.
+    controls: (M, nu) in motor units; states, sensors: (M, ...), as the rollout returns them.
     """
     time: Array = np.arange(len(states), dtype=np.float64) * model.timestep
     drives, nq, nv = model.drives, model.mj.nq, model.mj.nv

@@ -13,6 +13,7 @@ import numpy as np
 from armside.arrays import Array
 
 from .linkage import Linkage, free_joints
+from .mjcf import mass_matrix
 from .model import RobotModel
 from .servo import interpolate
 
@@ -104,10 +105,7 @@ class Statics:
         return moved
 
     def equilibrium(self, phi: Array) -> Equilibrium:
-        """Static equilibrium with the motors held at phi, (n,) [rad].
-
-        Raises RuntimeError when the springs cannot balance the load.
-        """
+        """Static equilibrium with the motors held at phi, (n,) [rad]; RuntimeError without one."""
         data, motor, springs = self._data, self.model.motor, self.model.springs
         data.qvel[:] = data.qacc[:] = 0.0
         data.qpos[:] = self.model.posture @ phi
@@ -140,13 +138,10 @@ calibration of the large robot. ESTIMATE."""
 
 
 def anticipated_shift(nominal: Statics, phi: Array, period: float) -> Array:
-    """Elastic deflection of the tool that the reference compensates.
+    """Elastic deflection (N, 3) [m], base axes, to subtract from the programmed tool positions.
 
     The controller's model is too stiff: it has the fraction `Drives.elastic_compensation` of the
-    quasi-static deflection by gravity and the rigid motion. (N, 3) [m], base axes, to be subtracted
-    from the programmed tool positions.
-
-    phi: (N, n) [rad], motor angles of the programmed path, every `period` [s].
+    quasi-static deflection. phi: (N, n) [rad], of the programmed path, every `period` [s].
     """
     _, phi_dot, phi_ddot = interpolate(phi, period, 1)
     forces = nominal.rigid_forces(phi, phi_dot, phi_ddot)
@@ -167,30 +162,19 @@ def smoothed(shift: Array) -> Array:
 def natural_frequencies(model: RobotModel, phi: Array, *, locked: bool) -> Array:
     """Undamped natural frequencies [Hz], ascending, at motor angles phi (n,) [rad].
 
-    M q'' + K q = 0 about every spring at zero, in the joints that a closed chain leaves free. K has
-    the springs of gears and structure, those of a gear with lost motion as they are under load.
-
-    locked: the motors are held; otherwise they turn freely, without servo, and each has a motion of
-    0 Hz.
+    Gears with lost motion are as stiff as under load. locked: the motors are held; otherwise they
+    turn freely, without servo, and each has a motion of 0 Hz.
     """
     from scipy.linalg import eigh
 
-    M, free = _reduced_inertia(model, phi)
-    K = np.zeros(model.mj.nv)
+    mj, data = model.mj, mujoco.MjData(model.mj)
+    M, free = mass_matrix(mj, model.posture @ phi, data), free_joints(mj)
+    Z = Linkage(mj).tangent(data)
+    M = Z.T @ M @ Z  # of motions that keep closed chains closed
+    K = np.zeros(mj.nv)
     K[model.springs] = spring_stiffness(model)
     moving = np.setdiff1d(free, model.motor) if locked else free
     if not len(moving):
         return np.zeros(0)
     omega_squared = eigh(np.diag(K[moving]), M[np.ix_(moving, moving)], eigvals_only=True)
     return np.sqrt(np.maximum(omega_squared, 0.0)) / (2.0 * np.pi)
-
-
-def _reduced_inertia(model: RobotModel, phi: Array) -> tuple[Array, np.ndarray]:
-    """Inertia (nv, nv) of motions that keep closed chains closed, and the joints free in them."""
-    mj, data = model.mj, mujoco.MjData(model.mj)
-    linkage, M = Linkage(mj), np.zeros((mj.nv, mj.nv))
-    data.qpos[:] = model.posture @ phi
-    mujoco.mj_forward(mj, data)
-    mujoco.mj_fullM(mj, data, M)
-    Z = linkage.tangent(data)
-    return Z.T @ M @ Z, free_joints(mj)

@@ -44,10 +44,7 @@ class VirtualRobot:
     def __init__(
         self, model: RobotModel, *, nominal: Statics | None = None, log_period: float = LOG_PERIOD
     ) -> None:
-        """Args:
-        nominal: model of the controller's torque feedforward; that of the robot itself if None.
-        log_period: [s], a whole number of physics steps.
-        """
+        """nominal: model of the torque feedforward; that of the robot itself if None."""
         self.model = model
         self.log_period = log_period
         self._statics = Statics(model)
@@ -64,13 +61,10 @@ class VirtualRobot:
     def load(self, reference: Array | Commanded, *, motors_on_at: float = 0.0) -> LoadedReference:
         """Prepare the servo's inputs for a reference, starting at rest in static equilibrium.
 
-        Args:
-            reference: (N, n) [rad], r at the log rate, arm-side motor angles; at rest at both ends.
-                Or what the controller of another individual of the same robot made of it.
-            motors_on_at: [s]; before it the brakes hold the arm and the drives carry no current.
-
-        Raises ValueError for a wrong shape, values that are not finite, a robot without the brakes
-        asked for, or a load at the tool that its drives cannot hold.
+        reference: (N, n) [rad], r at the log rate, arm-side motor angles, at rest at both ends; or
+        what the controller of another individual made of it. motors_on_at: [s]; before it the
+        brakes hold the arm. Raises ValueError for a wrong reference, a robot without brakes, or a
+        load that its drives cannot hold.
         """
         asked = reference if isinstance(reference, Commanded) else self.commanded(reference)
         model, drives = self.model, self.model.drives
@@ -81,11 +75,23 @@ class VirtualRobot:
             hinge_speed += model.gear_error.rate(position, velocity)
             position = position + model.gear_error(position)
         start = self._statics.equilibrium(position[0])
-        _check_holds(model, start.holding_torque)
+        limit = np.abs(drives.gear) * drives.torque_limit
+        axis = int((np.abs(start.holding_torque) / limit).argmax())
+        if not abs(held := float(start.holding_torque[axis])) < limit[axis]:
+            raise ValueError(
+                f"the robot cannot carry its load: at rest axis {axis + 1} would have to hold "
+                f"{abs(held):.0f} N m, and its drive holds {limit[axis]:.0f} N m"
+            )
         torque = torque + (start.holding_torque - _ripple(model, start.qpos) - torque[0])
         powered = np.arange(len(position)) * model.timestep >= motors_on_at
         if not powered.all():
-            model = _braked_at(model, position[0])
+            if not len(model.brakes):
+                brakes = f"brake_1..{model.n_axes}"
+                raise ValueError(
+                    f"this robot has no brakes: its model lacks the equalities {brakes}"
+                )
+            model = replace(model, mj=copy.copy(model.mj))
+            model.mj.eq_data[model.brakes, 0] = position[0]  # where they hold the motors
             torque[~powered] = 0.0
         if model.implicit:
             hinge_speed = at_step_end(hinge_speed)
@@ -119,28 +125,6 @@ class VirtualRobot:
         if drives.friction_feedforward > 0.0:
             torque += friction_torque(drives, velocity)
         return drives.torque_feedforward * torque
-
-
-def _braked_at(model: RobotModel, phi: Array) -> RobotModel:
-    """Robot model whose brakes, once engaged, hold the motors at phi (n,) [rad]."""
-    if not len(model.brakes):
-        raise ValueError(
-            f"this robot has no brakes: its model lacks the equalities brake_1..{model.n_axes}"
-        )
-    model = replace(model, mj=copy.copy(model.mj))
-    model.mj.eq_data[model.brakes, 0] = phi
-    return model
-
-
-def _check_holds(model: RobotModel, torque: Array) -> None:
-    """Raise ValueError for a holding torque (n,) [N m], arm side, above the drives' limit."""
-    limit = np.abs(model.drives.gear) * model.drives.torque_limit
-    axis = int((np.abs(torque) / limit).argmax())
-    if not abs(torque[axis]) < limit[axis]:
-        raise ValueError(
-            f"the robot cannot carry its load: at rest axis {axis + 1} would have to hold "
-            f"{abs(torque[axis]):.0f} N m, and its drive holds {limit[axis]:.0f} N m"
-        )
 
 
 def _ripple(model: RobotModel, qpos: Array) -> Array:

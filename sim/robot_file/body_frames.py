@@ -10,7 +10,7 @@ import numpy as np
 
 from armside import kinematics
 from armside.arrays import Array
-from armside.kinematics import Convention, Joint, Link
+from armside.kinematics import Convention, Joint
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,15 +34,20 @@ class Frame:
 
 
 def frames(robot: kinematics.Robot) -> list[Frame]:
-    """Bodies of a robot from the base on.
-
-    Raises ValueError for a coupling between motors, which a chain of bodies does not have.
-    """
-    signs = _signs(robot)
+    """Bodies of a robot from the base on. Raises ValueError for a coupling between motors."""
+    signs = np.diag(robot.coupling)
+    if not np.array_equal(np.abs(robot.coupling), np.eye(len(signs))):
+        raise ValueError(
+            "coupling must be diagonal with 1 or -1 for hardware that is built from the file; "
+            "a robot whose motors move several joints needs a model (MJCF) of its own"
+        )
     moving = iter(zip(signs, robot.offset, strict=True))
     found, T, modified = list[Frame](), np.eye(4), robot.convention is Convention.MODIFIED
     for link in robot.links:
-        before, after = _parts(link, modified)
+        # Rot_x(alpha) Trans_x(a) stands before the motion along z in the modified convention.
+        c, s = np.cos(float(link.alpha)), np.sin(float(link.alpha))
+        twist = np.array([[1, 0, 0, float(link.a)], [0, c, -s, 0], [0, s, c, 0], [0, 0, 0, 1.0]])
+        before, after = (twist, np.eye(4)) if modified else (np.eye(4), twist)
         if not link.moves:
             T = T @ before @ _shift(float(link.theta), float(link.d)) @ after
             continue
@@ -66,25 +71,6 @@ def points(chain: list[Frame]) -> Array:
         T = T @ frame.place
         found.append(T[:3, 3])
     return np.array([*found, (T @ chain[-1].end)[:3, 3]])
-
-
-def _signs(robot: kinematics.Robot) -> Array:
-    signs = np.diag(robot.coupling)
-    if not (np.array_equal(np.abs(robot.coupling), np.eye(len(signs)))):
-        raise ValueError(
-            "coupling must be diagonal with 1 or -1 for hardware that is built from the file; "
-            "a robot whose motors move several joints needs a model (MJCF) of its own"
-        )
-    return signs
-
-
-def _parts(link: Link, modified: bool) -> tuple[Array, Array]:
-    """Constant motions before and after the motion along z: Rot_x(alpha) Trans_x(a) stands first in
-    the modified convention."""
-    a, alpha = float(link.a), float(link.alpha)
-    c, s = np.cos(alpha), np.sin(alpha)
-    twist = np.array([[1, 0, 0, a], [0, c, -s, 0], [0, s, c, 0], [0, 0, 0, 1.0]])
-    return (twist, np.eye(4)) if modified else (np.eye(4), twist)
 
 
 def _shift(theta: float, d: float) -> Array:

@@ -4,7 +4,7 @@ import hashlib
 import os
 import re
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -12,9 +12,9 @@ import mujoco
 import numpy as np
 
 from armside import kinematics
-from armside.arrays import Array
 from armside.kinematics import Limits
 
+from ..robot.mjcf import mass_matrix
 from .body_frames import frames
 from .drive_rules import RigidArm, drives
 from .hardware import Hardware, Report, StructureHinge, Taken
@@ -42,17 +42,18 @@ def build(
 ) -> Built:
     """MJCF of a robot with its hardware, and the estimates in it.
 
-    Args:
-        home: motor angles [rad] at which inertias are taken; the zero pose, or the place within
-            the limits nearest to it, if None.
-        with_imu: the robot with constant links to its IMU; the IMU is at the tool if None.
-
-    Raises:
-        ValueError: a coupling between motors, or numbers that contradict each other.
+    home: motor angles [rad] at which inertias are taken; the place within the limits nearest to
+    zero if None. with_imu: the robot with constant links to its IMU, which is at the tool if None.
+    Raises ValueError for a coupling between motors, or numbers that contradict each other.
     """
     chain, report = frames(robot), Report()
     found = masses(hardware, chain, report)
-    imu = np.eye(4) if with_imu is None else _imu(robot, with_imu)
+    imu = np.eye(4)
+    if with_imu is not None:  # in the tool frame
+        tool, own = (
+            kinematics.compile(r).pose(np.zeros(robot.n_joints)) for r in (robot, with_imu)
+        )
+        imu = np.linalg.inv(tool) @ own
     at = np.clip(np.zeros(robot.n_joints), limits.lower, limits.upper) if home is None else home
     tree = Tree(chain, found, limits, (), (), (), imu)
     arm = RigidArm(_compiled(rigid_mjcf(tree, hardware)), np.array(at), limits)
@@ -60,9 +61,20 @@ def build(
     armature = completed["gear_ratio"] ** 2 * completed["rotor_inertia"]
     gears = [Spring(*pair) for pair in zip(completed.stiffness, completed.damping, strict=True)]
     structure = _structure(tree, hardware, arm, report)
-    words = _words(report)
-    tree = Tree(chain, found, limits, armature, gears, structure, imu, words)
-    text = full_mjcf(robot.name, _comment(robot.name), tree, hardware, completed)
+    rotor, gear = "armature: ratio squared times rotor inertia", "gear spring and damper"
+    names = {one.field for one in report.taken if one.rule.startswith("ESTIMATE")}
+    rotor += ", ESTIMATE" if "drives: rotor_inertia" in names else ""
+    gear += ", ESTIMATE" if names & {"gears: stiffness", "gears: damping"} else ""
+    tree = replace(
+        tree, armature=armature, gears=gears, structure=structure, estimates=(rotor, gear)
+    )
+    shown = " ".join(robot.name.replace("--", "- -").split())
+    comment = (
+        f"  {shown}: written from its robot file by armside; do not edit, change the robot file.\n"
+        "  ESTIMATE marks what the file does not give; `armside robot check` lists each with its "
+        "rule."
+    )
+    text = full_mjcf(robot.name, comment, tree, hardware, completed)
     _compiled(text)
     return Built(text, tuple(report.taken))
 
@@ -104,13 +116,6 @@ def _compiled(text: str) -> mujoco.MjModel:
         raise ValueError(f"the hardware makes no model: {first}") from error
 
 
-def _imu(robot: kinematics.Robot, with_imu: kinematics.Robot) -> Array:
-    """(4, 4), the IMU in the tool frame."""
-    zero = np.zeros(robot.n_joints)
-    tool, imu = (kinematics.compile(one).pose(zero) for one in (robot, with_imu))
-    return np.linalg.inv(tool) @ imu
-
-
 def _structure(
     tree: Tree, hardware: Hardware, arm: RigidArm, report: Report
 ) -> list[tuple[StructureHinge, Spring]]:
@@ -118,39 +123,16 @@ def _structure(
     free = [(hinge, Spring(0.0, 0.0)) for hinge in hardware.structure]
     if not free:
         return []
-    own = Tree(tree.chain, tree.masses, tree.limits, (), (), free, tree.imu)
-    mj = _compiled(rigid_mjcf(own, hardware))
-    data, M = mujoco.MjData(mj), np.zeros((mj.nv, mj.nv))
+    mj = _compiled(rigid_mjcf(replace(tree, structure=free), hardware))
+    qpos = np.zeros(mj.nq)
     for i, angle in enumerate(arm.home, 1):
-        data.qpos[mj.joint(f"motor_{i}").qposadr[0]] = angle
-    mujoco.mj_forward(mj, data)
-    mujoco.mj_fullM(mj, data, M)
-    return [(h, Spring(h.stiffness, _damped(h, mj, M, report))) for h in hardware.structure]
-
-
-def _damped(hinge: StructureHinge, mj: mujoco.MjModel, M: Array, report: Report) -> float:
-    if hinge.damping is not None:
-        return hinge.damping
-    dof = int(mj.joint(f"struct_{hinge.name}").dofadr[0])
-    damping = 2.0 * hinge.damping_ratio * np.sqrt(hinge.stiffness * M[dof, dof])
-    rule = "2 damping_ratio times the root of stiffness times inertia at home"
-    return float(report.take(f"structure {hinge.name}: damping", [damping], rule)[0])
-
-
-def _words(report: Report) -> tuple[str, str]:
-    """Comments at armatures and springs."""
-    names = {one.field for one in report.taken if one.rule.startswith("ESTIMATE")}
-    rotor = "armature: ratio squared times rotor inertia"
-    rotor += ", ESTIMATE" if "drives: rotor_inertia" in names else ""
-    gear = "gear spring and damper"
-    gear += ", ESTIMATE" if names & {"gears: stiffness", "gears: damping"} else ""
-    return rotor, gear
-
-
-def _comment(name: str) -> str:
-    shown = " ".join(name.replace("--", "- -").split())
-    return (
-        f"  {shown}: written from its robot file by armside; do not edit, change the robot file.\n"
-        "  ESTIMATE marks what the file does not give; `armside robot check` lists each with its "
-        "rule."
-    )
+        qpos[mj.joint(f"motor_{i}").qposadr[0]] = angle
+    M = mass_matrix(mj, qpos)
+    found, rule = [], "2 damping_ratio times the root of stiffness times inertia at home"
+    for hinge in hardware.structure:
+        if (damping := hinge.damping) is None:
+            dof = int(mj.joint(f"struct_{hinge.name}").dofadr[0])
+            own = 2.0 * hinge.damping_ratio * np.sqrt(hinge.stiffness * M[dof, dof])
+            damping = float(report.take(f"structure {hinge.name}: damping", [own], rule)[0])
+        found.append((hinge, Spring(hinge.stiffness, damping)))
+    return found

@@ -6,7 +6,7 @@ in docs/robots.md with units and defaults. Before anything runs, the kinematics 
 compared with those of the file.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -27,7 +27,6 @@ from armside.kinematics.robot_file import (
     refuse_unknown,
 )
 from armside.kinematics.rotation import to_quaternion
-from armside.kinematics.urdf import UrdfArm
 
 from ..cell import Cell, Learning, ToolPose, tool_at
 from ..robot.virtual_robot import LOG_PERIOD
@@ -60,22 +59,39 @@ def cell_of(data: Mapping[str, Any], folder: Path) -> Cell:
         home = bent(arm)
     if home is not None and not limits.contain(home):
         raise ValueError(f"home must be within the limits, got {list(home)}")
-    with_imu = _with_imu(robot, data)
-    poses = {FIRST_POSE: tool_at(robot, home)} if home and at_home else _poses(data["pose"])
+    with_imu = robot
+    if "imu" in data:
+        fixed = (replace(link, joint=Joint.FIXED) for link in links_of("imu", data["imu"]))
+        with_imu = replace(robot, links=(*robot.links, *fixed), name=f"{robot.name} with IMU")
+    if home and at_home:
+        poses = {FIRST_POSE: tool_at(robot, home)}
+    elif isinstance(tables := data["pose"], dict) and tables:
+        poses = {name: _pose(f"pose {name}", table) for name, table in tables.items()}
+    else:
+        raise ValueError("needs at least one table [pose.NAME]")
     programs = _programs(data.get("program", {}), folder)
-    free, learning = _free(data, robot.n_joints), _learning(data.get("learning"))
+    orientation = data.get("orientation", "held" if robot.n_joints >= HELD_FROM else "free")
+    if orientation not in ("held", "free"):
+        raise ValueError(f"orientation must be one of held, free, got {orientation!r}")
+    learning = _learning(data.get("learning"))
     bodies = () if tree is None else bodies_of(tree)
     xml, estimates = _hardware(arm, bodies, with_imu, home, data, folder)
+    if at_home:
+        position = poses[FIRST_POSE].position
+        estimates += (Taken(f"pose {FIRST_POSE}: position", position, "the tool at home"),)
+    if tree is not None and tree.without_speed and "speed" not in data.get("limits", {}):
+        rule = f"ESTIMATE: the URDF has no speed of {', '.join(tree.without_speed)}"
+        estimates += (Taken("limits: speed", limits.speed, rule),)
     return Cell(
         xml=xml,
-        estimates=(*estimates, *_of_file(data, arm, tree, poses)),
+        estimates=estimates,
         robot=robot,
         with_imu=with_imu,
         limits=limits,
         poses=poses,
         programs=programs,
         home=home,
-        free_rotation=free,
+        free_rotation=orientation == "free",
         learning=learning,
     )
 
@@ -88,18 +104,6 @@ def bent(arm: Arm) -> tuple[float, ...]:
     signs = np.where(np.arange(len(low)) % 2 == 0, 1.0, -1.0)
     bend = np.where(arm.robot.slides, 0.0, np.minimum(BEND, 0.5 * half) * signs)
     return tuple(np.clip(middle + bend, low, high).round(4).tolist())
-
-
-def _of_file(
-    data: Mapping[str, Any], arm: Arm, tree: UrdfArm | None, poses: Mapping[str, ToolPose]
-) -> Iterator[Taken]:
-    """What neither the file nor its URDF states."""
-    if "pose" not in data:
-        position = poses[FIRST_POSE].position
-        yield Taken(f"pose {FIRST_POSE}: position", position, "the tool at home")
-    if tree is not None and tree.without_speed and "speed" not in data.get("limits", {}):
-        rule = f"ESTIMATE: the URDF has no speed of {', '.join(tree.without_speed)}"
-        yield Taken("limits: speed", arm.limits.speed, rule)
 
 
 def _hardware(
@@ -120,26 +124,6 @@ def _hardware(
         hardware = replace(hardware, bodies=bodies)
     built = build(arm.robot, arm.limits, hardware, home=home, with_imu=with_imu)
     return cached(arm.robot.name, built.text), built.taken
-
-
-def _with_imu(robot: kinematics.Robot, data: Mapping[str, Any]) -> kinematics.Robot:
-    if "imu" not in data:
-        return robot
-    links = [replace(link, joint=Joint.FIXED) for link in links_of("imu", data["imu"])]
-    return replace(robot, links=(*robot.links, *links), name=f"{robot.name} with IMU")
-
-
-def _free(data: Mapping[str, Any], n_axes: int) -> bool:
-    chosen = data.get("orientation", "held" if n_axes >= HELD_FROM else "free")
-    if chosen not in ("held", "free"):
-        raise ValueError(f"orientation must be one of held, free, got {chosen!r}")
-    return bool(chosen == "free")
-
-
-def _poses(tables: Any) -> dict[str, ToolPose]:
-    if not isinstance(tables, dict) or not tables:
-        raise ValueError("needs at least one table [pose.NAME]")
-    return {name: _pose(f"pose {name}", table) for name, table in tables.items()}
 
 
 def _pose(where: str, table: Any) -> ToolPose:
@@ -173,13 +157,12 @@ def _rotation(where: str, rows: Any) -> Array:
 def _programs(table: Any, folder: Path) -> dict[str, tuple[Path, ...]]:
     if not isinstance(table, dict):
         raise ValueError(f"program must be a table of lists of files, got {table!r}")
+    found = dict[str, tuple[Path, ...]]()
     for name, files in table.items():
         if not isinstance(files, list):
             raise ValueError(f"program: {name} must be a list of files, got {files!r}")
-    return {
-        name: tuple(beside(folder, f"program: {name}", file) for file in files)
-        for name, files in table.items()
-    }
+        found[name] = tuple(beside(folder, f"program: {name}", file) for file in files)
+    return found
 
 
 def _learning(table: Any) -> Learning | None:

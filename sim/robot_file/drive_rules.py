@@ -13,6 +13,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.kinematics import Joint, Limits
 
+from ..robot.mjcf import mass_matrix
 from .body_frames import Frame
 from .hardware import DRIVES, GEARS, Hardware, Report
 
@@ -32,22 +33,12 @@ class RigidArm:
     @cached_property
     def mass_matrix(self) -> Array:
         """(n, n) [kg m^2] at home."""
-        data, M = mujoco.MjData(self.mj), np.zeros((self.mj.nv, self.mj.nv))
-        data.qpos[:] = self.home
-        mujoco.mj_forward(self.mj, data)
-        mujoco.mj_fullM(self.mj, data, M)
-        return M
+        return mass_matrix(self.mj, self.home)
 
     @property
     def inertia(self) -> Array:
         """(n,) [kg m^2] that each motor moves at home, the other axes held."""
         return np.diag(self.mass_matrix).copy()
-
-    @property
-    def own_inertia(self) -> Array:
-        """(n,) [kg m^2] that each motor feels at home, the other axes free: the smallest."""
-        inverse = np.asarray(np.linalg.inv(self.mass_matrix), dtype=np.float64)
-        return 1.0 / np.diag(inverse)
 
     @cached_property
     def gravity_load(self) -> Array:
@@ -121,18 +112,29 @@ def drives(
     speed = np.array(limits.speed)
     take("speed_limit", lambda: speed)
     take("gear_ratio", lambda: np.where(slides, LEAD, GEAR))
-    take("torque_limit", lambda: _torque(arm, speed))
-    ratio, torque = found["gear_ratio"], found["torque_limit"]
-    take("rotor_inertia", lambda: ROTOR * torque / ratio)
+
+    def torque() -> Array:
+        needed = 2.0 * (arm.gravity_load + arm.inertia * speed / RISE)
+        return np.maximum(needed, LEAST_TORQUE * needed.max())
+
+    take("torque_limit", torque)
+    ratio, peak = found["gear_ratio"], found["torque_limit"]
+    take("rotor_inertia", lambda: ROTOR * peak / ratio)
     take("encoder_counts", lambda: 16384.0)
     take("encoder_noise", lambda: 0.0)
-    take("coulomb_friction", lambda: COULOMB * torque)
+    take("coulomb_friction", lambda: COULOMB * peak)
     take("static_friction", lambda: STATIC * found["coulomb_friction"])
-    _check_static(found)
+    static, coulomb = found["static_friction"], found["coulomb_friction"]
+    if (lower := np.flatnonzero(static < coulomb)).size:
+        i = int(lower[0])
+        raise ValueError(
+            f"drives: static_friction must be >= coulomb_friction, got {static[i]:g} and "
+            f"{coulomb[i]:g} N m on axis {i + 1}"
+        )
     take("stribeck_speed", lambda: STRIBECK / ratio)
-    take("viscous_friction", lambda: VISCOUS * torque * ratio)
+    take("viscous_friction", lambda: VISCOUS * peak * ratio)
     per_torque = np.where(slides, OF_SLIDE, STIFFNESS)
-    stiffness = _stiffness(given, per_torque * torque, arm, report)
+    stiffness = _stiffness(given, per_torque * peak, arm, report)
     total = ratio**2 * found["rotor_inertia"] + arm.inertia
     take("bandwidth", lambda: min(BANDWIDTH, BELOW_MODE * arm.lowest_mode(stiffness)))
     take("servo_damping", lambda: SERVO_DAMPING)
@@ -158,21 +160,6 @@ _CONTROLLER = {
 """ESTIMATE: after the large robot."""
 
 
-def _torque(arm: RigidArm, speed: Array) -> Array:
-    needed = 2.0 * (arm.gravity_load + arm.inertia * speed / RISE)
-    return np.maximum(needed, LEAST_TORQUE * needed.max())
-
-
-def _check_static(found: dict[str, Array]) -> None:
-    static, coulomb = found["static_friction"], found["coulomb_friction"]
-    if (lower := np.flatnonzero(static < coulomb)).size:
-        i = int(lower[0])
-        raise ValueError(
-            f"drives: static_friction must be >= coulomb_friction, got {static[i]:g} and "
-            f"{coulomb[i]:g} N m on axis {i + 1}"
-        )
-
-
 def _stiffness(given: Hardware, usual: Array, arm: RigidArm, report: Report) -> Array:
     if given.rigid:
         return np.zeros(0)
@@ -182,7 +169,9 @@ def _stiffness(given: Hardware, usual: Array, arm: RigidArm, report: Report) -> 
         values = arm.inertia * (2.0 * np.pi * np.array(given.gears["frequency"])) ** 2
         rule = "inertia of the arm at home times (2 pi frequency)^2"
         return report.take("gears: stiffness", values, rule)
-    values = np.minimum(usual, arm.own_inertia * (2.0 * np.pi * STIFFEST) ** 2)
+    # The inertia that each motor feels at home, the other axes free: the smallest.
+    own = 1.0 / np.diag(np.asarray(np.linalg.inv(arm.mass_matrix), dtype=np.float64))
+    values = np.minimum(usual, own * (2.0 * np.pi * STIFFEST) ** 2)
     return report.take("gears: stiffness", values, f"ESTIMATE: {GEARS['stiffness'].default}")
 
 

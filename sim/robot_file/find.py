@@ -12,12 +12,7 @@ _NO_MASSES = "The source has no masses, or some beside the chain move."
 
 
 def find_cell(robot: str) -> Cell:
-    """Cell of a name, or of a robot file.
-
-    Raises:
-        ValueError: neither, or a wrong file; the message names file and field.
-        OSError: the file cannot be read.
-    """
+    """Cell of a name, or of a robot file. Raises ValueError with file and field, or OSError."""
     check_named(robot)
     return CELLS[robot] if robot in CELLS else read_cell(Path(robot))
 
@@ -30,12 +25,7 @@ def check_named(robot: str) -> None:
 
 
 def read_cell(file: Path) -> Cell:
-    """Cell of a robot file, as `armside.sim.robot_file.cell_tables` describes it.
-
-    Raises:
-        ValueError: the file is not as described there; the message names file and field.
-        OSError: the file cannot be read.
-    """
+    """Cell of a robot file. Raises ValueError with file and field, or OSError."""
     from armside.kinematics.robot_file import read_toml
 
     from .cell_tables import cell_of
@@ -75,7 +65,13 @@ def load_robot(name: str, *, masses: bool = False) -> KnownRobot:
     file, _, links = name.partition("#")
     base, _, tip = links.rpartition(":")
     if masses and (name in CELLS or is_cell_file(name)):
-        return _weighed(find_cell(name))
+        from ..robot.kinematics_check import cell_model
+        from .mjcf_reader import serial_bodies
+
+        cell = find_cell(name)
+        found = serial_bodies(cell_model(cell), cell.robot)
+        notes = (f"Left out, as no serial arm has it: {body}." for body in found.left_out)
+        return KnownRobot(Arm(cell.robot, cell.limits), found.bodies, tuple(notes))
     if name in CATALOGUE:
         return KnownRobot(CATALOGUE[name])
     if name.endswith(".toml"):
@@ -95,12 +91,3 @@ def _of_tree(tree: UrdfArm) -> KnownRobot:
     if tree.bodies is None:
         return KnownRobot(arm, notes=(_NO_MASSES,))
     return KnownRobot(arm, tree.bodies)
-
-
-def _weighed(cell: Cell) -> KnownRobot:
-    from ..robot.kinematics_check import cell_model
-    from .mjcf_reader import serial_bodies
-
-    found = serial_bodies(cell_model(cell), cell.robot)
-    notes = [f"Left out, as no serial arm has it: {body}." for body in found.left_out]
-    return KnownRobot(Arm(cell.robot, cell.limits), found.bodies, tuple(notes))

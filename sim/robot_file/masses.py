@@ -88,7 +88,10 @@ class Masses:
 
 def masses(given: Hardware, chain: list[Frame], report: Report) -> Masses:
     """Bodies of a robot, completed. Estimates are noted in `report`."""
-    lengths = _lengths(chain)
+    # Stretched length of the arm from each joint on; of a first that turns, across its axis.
+    along = np.array([frame.along for frame in chain])
+    along[0, 2] = 0.0
+    lengths = np.cumsum(np.linalg.norm(along, axis=1)[::-1])[::-1]
     bodies = given.bodies or (LinkBody(),) * len(chain)
     of_links, of_base = _shares(given, bodies, lengths, report)
     links = tuple(
@@ -96,16 +99,12 @@ def masses(given: Hardware, chain: list[Frame], report: Report) -> Masses:
         for i, (body, mass, frame) in enumerate(zip(bodies, of_links, chain, strict=True), 1)
     )
     whole = of_base + float(of_links.sum())
-    base = _base(given.base, of_base, points(chain)[1 if len(chain) > 1 else 0], report)
+    column = np.array([0.0, 0.0, points(chain)[1 if len(chain) > 1 else 0][2]])
+    own = given.base
+    centre = column / 2.0 if own.centre is None else np.array(own.centre)
+    inertia = own.inertia or _estimated("base: inertia", of_base, column, report)
+    base = Mass(of_base, centre, inertia, _source(own))
     return Masses(base, links, _tool(given.tool, whole, report), float(lengths[0]))
-
-
-def _lengths(chain: list[Frame]) -> Array:
-    """(n,) [m], stretched length of the arm from each joint on; of a first link that turns, the
-    part across its axis."""
-    along = np.array([frame.along for frame in chain])
-    along[0, 2] = 0.0
-    return np.cumsum(np.linalg.norm(along, axis=1)[::-1])[::-1]
 
 
 def _shares(
@@ -122,10 +121,16 @@ def _shares(
     if total is not None and not missing.any() and total < least * (1.0 - 1e-9):
         raise ValueError(_TOO_LIGHT.format(total, least))
     if missing.any():
-        per_weight = _per_weight(total, base, known, weight)
+        stated = float(known[~missing].sum())
+        if total is None:
+            per_weight = stated / float(weight[~missing].sum())
+        else:
+            moving = (1.0 - BASE) * total if base is None else total - base
+            if (left := moving - stated) <= 0.0:
+                raise ValueError(_TOO_LIGHT.format(total, total - left))
+            per_weight = left / float(weight[missing].sum())
         rule = "ESTIMATE: in proportion to the length of the arm from the joint on"
-        found = report.take("body: mass", per_weight * weight[missing], rule)
-        known[missing] = found
+        known[missing] = report.take("body: mass", per_weight * weight[missing], rule)
     if base is None:
         left = BASE / (1.0 - BASE) * known.sum() if total is None else total - known.sum()
         left = max(left, 0.01 * known.sum())
@@ -135,18 +140,6 @@ def _shares(
 
 
 _TOO_LIGHT = "hardware: mass must exceed that of base and links, got {:g} kg and {:g} kg"
-
-
-def _per_weight(total: float | None, base: float | None, known: Array, weight: Array) -> float:
-    """Mass over weight [kg/m] of the links without a mass of their own."""
-    missing = np.isnan(known)
-    if total is None:
-        return float(known[~missing].sum() / weight[~missing].sum())
-    moving = (1.0 - BASE) * total if base is None else total - base
-    left = moving - float(known[~missing].sum())
-    if left <= 0.0:
-        raise ValueError(_TOO_LIGHT.format(total, total - left))
-    return left / float(weight[missing].sum())
 
 
 def _link(number: int, body: LinkBody, mass: float, frame: Frame, report: Report) -> Mass:
@@ -163,25 +156,16 @@ def _link(number: int, body: LinkBody, mass: float, frame: Frame, report: Report
     return Mass(mass, centre, inertia, _source(body))
 
 
-def _base(body: LinkBody, mass: float, shoulder: Array, report: Report) -> Mass:
-    column = np.array([0.0, 0.0, shoulder[2]])
-    centre = column / 2.0 if body.centre is None else np.array(body.centre)
-    inertia = body.inertia or _estimated("base: inertia", mass, column, report)
-    return Mass(mass, centre, inertia, _source(body))
-
-
 def _tool(body: LinkBody, whole: float, report: Report) -> Mass:
     mass = body.mass
     if mass is None:
         rule = f"ESTIMATE: {100 * TOOL:g} % of the robot"
         mass = float(report.take("tool: mass", [TOOL * whole], rule)[0])
-    size = (mass / DENSITY) ** (1.0 / 3.0)
-    centre = np.array([0.0, 0.0, size / 2.0])
+    along = np.array([0.0, 0.0, (mass / DENSITY) ** (1.0 / 3.0)])
     if body.centre is None:
-        centre = report.take("tool: centre", centre, "ESTIMATE: a block on the flange")
+        centre = report.take("tool: centre", along / 2.0, "ESTIMATE: a block on the flange")
     else:
         centre = np.array(body.centre)
-    along = np.array([0.0, 0.0, size])
     inertia = body.inertia or _estimated("tool: inertia", mass, along, report)
     return Mass(mass, centre, inertia, _source(body))
 

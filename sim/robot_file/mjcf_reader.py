@@ -34,6 +34,8 @@ from armside.kinematics.urdf.reader import arm_of
 from ..robot.mjcf import model_name
 from ..robot.model import RobotModel
 
+_ENDS = int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD)
+"""Equalities that join two bodies."""
 HELD = ("flex_", "struct_")
 """Beginnings of the names of springs, which are held at rest."""
 _KINDS = {
@@ -44,20 +46,12 @@ _KINDS = {
 }
 
 
-@dataclass(frozen=True)
-class _Mount:
-    """Link that the next joint is mounted on, and the place (4, 4) of its frame there."""
-
-    link: str
-    place: Array
+Mount = tuple[str, Array]
+"""Link that the next joint is mounted on, and the place (4, 4) of its frame there."""
 
 
 def mjcf_document(mj: mujoco.MjModel, name: str) -> Document:
-    """Document of a model, whose root link is `world`.
-
-    Raises:
-        ValueError: a slide has no range; names the joint.
-    """
+    """Document of a model, its root link `world`. Raises ValueError for a slide without range."""
     links: dict[str, Inertial | Fault | None] = {"world": None}
     joints: list[UrdfJoint] = []
     for body in range(1, mj.nbody):
@@ -65,9 +59,14 @@ def mjcf_document(mj: mujoco.MjModel, name: str) -> Document:
             links[joint.child] = None
             joints.append(joint)
         links[body_name(mj, body)] = _inertial(mj, body)
-    for joint in _sites(mj):
-        links[joint.child] = None
-        joints.append(joint)
+    taken = {body_name(mj, body) for body in range(mj.nbody)}
+    for site in range(mj.nsite):
+        if name_of := mj.site(site).name:
+            place = _placed(mj.site_pos[site], mj.site_quat[site])
+            mount = body_name(mj, int(mj.site_bodyid[site])), place
+            child = f"site/{name_of}" if name_of in taken else name_of
+            links[child] = None
+            joints.append(_fixed(f"site/{name_of}", mount, child))
     return Document(name, links, tuple(joints))
 
 
@@ -84,18 +83,19 @@ def joint_name(mj: mujoco.MjModel, joint: int) -> str:
 def _body_joints(mj: mujoco.MjModel, body: int) -> Iterator[UrdfJoint]:
     own, first = body_name(mj, body), int(mj.body_jntadr[body])
     place = _placed(mj.body_pos[body], mj.body_quat[body])
-    mount = _Mount(body_name(mj, int(mj.body_parentid[body])), place)
+    mount = body_name(mj, int(mj.body_parentid[body])), place
     for joint in range(first, first + int(mj.body_jntnum[body])):
         if not joint_name(mj, joint).startswith(HELD):
             yield _joint(mj, joint, mount, f"{own}/{joint_name(mj, joint)}")
             back = transform(np.eye(3), -mj.jnt_pos[joint])
-            mount = _Mount(f"{own}/{joint_name(mj, joint)}", back)
+            mount = f"{own}/{joint_name(mj, joint)}", back
     yield _fixed(f"{own}/body", mount, own)
 
 
-def _joint(mj: mujoco.MjModel, joint: int, mount: _Mount, child: str) -> UrdfJoint:
+def _joint(mj: mujoco.MjModel, joint: int, mount: Mount, child: str) -> UrdfJoint:
     kind, axis = _KINDS[mujoco.mjtJoint(int(mj.jnt_type[joint]))], np.array(mj.jnt_axis[joint])
-    origin = mount.place @ transform(np.eye(3), mj.jnt_pos[joint])
+    parent, place = mount
+    origin = place @ transform(np.eye(3), mj.jnt_pos[joint])
     reference = float(mj.qpos0[mj.jnt_qposadr[joint]])
     if kind is Kind.REVOLUTE:
         origin = origin @ transform(rotation.from_axis_angle(axis, -reference), np.zeros(3))
@@ -104,7 +104,7 @@ def _joint(mj: mujoco.MjModel, joint: int, mount: _Mount, child: str) -> UrdfJoi
     return UrdfJoint(
         name=joint_name(mj, joint),
         kind=kind,
-        parent=mount.link,
+        parent=parent,
         child=child,
         origin=origin,
         axis=axis,
@@ -134,20 +134,9 @@ def _leader(mj: mujoco.MjModel, joint: int) -> str | None:
     return None
 
 
-def _sites(mj: mujoco.MjModel) -> Iterator[UrdfJoint]:
-    taken = {body_name(mj, body) for body in range(mj.nbody)}
-    for site in range(mj.nsite):
-        if name := mj.site(site).name:
-            place = _placed(mj.site_pos[site], mj.site_quat[site])
-            mount = _Mount(body_name(mj, int(mj.site_bodyid[site])), place)
-            child = f"site/{name}" if name in taken else name
-            yield _fixed(f"site/{name}", mount, child)
-
-
-def _fixed(name: str, mount: _Mount, child: str) -> UrdfJoint:
-    axis = np.array([0.0, 0.0, 1.0])
-    fixed, limits = Kind.FIXED, (-inf, inf)
-    return UrdfJoint(name, fixed, mount.link, child, mount.place, axis, limits, None, None)
+def _fixed(name: str, mount: Mount, child: str) -> UrdfJoint:
+    axis, limits = np.array([0.0, 0.0, 1.0]), (-inf, inf)
+    return UrdfJoint(name, Kind.FIXED, mount[0], child, mount[1], axis, limits, None, None)
 
 
 def _inertial(mj: mujoco.MjModel, body: int) -> Inertial | Fault | None:
@@ -171,16 +160,14 @@ def read_mjcf(file: Path, base: str | None = None, tip: str | None = None) -> Ur
 
     base: the world by default. tip: the site `tool0` where there is one, else the only end.
     Springs (flex_*, struct_*) are held at rest. A file has no greatest speeds: they are pi rad/s.
-
-    Raises:
-        ValueError: the file does not compile, or its chain is no serial arm; has file and element.
-        OSError: the file cannot be read.
+    Raises ValueError, with file and element, where it is no serial arm, or OSError.
     """
     if not file.is_file():
         raise ValueError(f"there is no file {file}")
     try:
         mj = mujoco.MjSpec.from_file(str(file)).compile()
-        document = mjcf_document(mj, _printable(model_name(mj)))
+        name = model_name(mj)
+        document = mjcf_document(mj, name[:80] if name and name.isprintable() else "robot")
         if tip is None and TOOL in document.links:
             tip = TOOL
         arm = arm_of(document, base, tip)
@@ -191,16 +178,18 @@ def read_mjcf(file: Path, base: str | None = None, tip: str | None = None) -> Ur
     return arm
 
 
-def _printable(name: str) -> str:
-    return name[:80] if name and name.isprintable() else "robot"
-
-
 def _refuse_loops(mj: mujoco.MjModel, arm: UrdfArm) -> None:
     """Raise ValueError for a joint of the chain that an equality takes part in closing."""
     for i in range(mj.neq):
         if not mj.eq_active0[i]:
             continue
-        for joint in np.flatnonzero(_closing(mj, i)):
+        ends = int(mj.eq_obj1id[i]), int(mj.eq_obj2id[i])
+        if int(mj.eq_type[i]) not in _ENDS:
+            continue
+        if mj.eq_objtype[i] == mujoco.mjtObj.mjOBJ_SITE:
+            ends = int(mj.site_bodyid[ends[0]]), int(mj.site_bodyid[ends[1]])
+        one, other = (_moving(mj, body) for body in ends)
+        for joint in np.flatnonzero(one ^ other):
             name = joint_name(mj, int(joint))
             if name in arm.joints:
                 equality = mj.equality(i).name or f"equality {i}"
@@ -208,18 +197,6 @@ def _refuse_loops(mj: mujoco.MjModel, arm: UrdfArm) -> None:
                     f"joint {name!r} is part of a closed chain ({equality}); "
                     "joints must be independent"
                 )
-
-
-def _closing(mj: mujoco.MjModel, equality: int) -> np.ndarray:
-    """(njnt,) bool: joints between the two bodies that an equality connects or welds."""
-    kind = mujoco.mjtEq(int(mj.eq_type[equality]))
-    ends = int(mj.eq_obj1id[equality]), int(mj.eq_obj2id[equality])
-    if kind not in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
-        return np.zeros(mj.njnt, dtype=bool)
-    if mj.eq_objtype[equality] == mujoco.mjtObj.mjOBJ_SITE:
-        ends = int(mj.site_bodyid[ends[0]]), int(mj.site_bodyid[ends[1]])
-    one, other = (_moving(mj, body) for body in ends)
-    return one ^ other
 
 
 def _moving(mj: mujoco.MjModel, body: int) -> np.ndarray:
@@ -249,8 +226,7 @@ class SerialBodies:
 def serial_bodies(model: RobotModel, robot: Robot) -> SerialBodies:
     """Bodies on the D-H links of the robot that the model is the hardware of, springs at rest.
 
-    Raises:
-        ValueError: the chain of the model to its tool has another number of joints.
+    Raises ValueError where the chain of the model to its tool has another number of joints.
     """
     document = mjcf_document(model.mj, model_name(model.mj))
     groups, left_out = _groups(document, chain(document, None, "tool0"))

@@ -43,13 +43,9 @@ class Source:
 
 
 def read_source(file: Path, tip: str | None = None) -> Source:
-    """Robot of a URDF (.urdf), an MJCF (.xml) or a D-H table (.toml).
+    """Robot of a URDF (.urdf), an MJCF (.xml) or a D-H table (.toml); ValueError for any other.
 
     tip: last link of a URDF, or last body or site of an MJCF; its only end if None.
-
-    Raises:
-        ValueError: another kind of file, or a wrong one; the message names it.
-        OSError: it cannot be read.
     """
     if file.suffix in (".urdf", ".xml"):
         read, kind = (read_urdf, "URDF") if file.suffix == ".urdf" else (read_mjcf, "MJCF")
@@ -91,10 +87,7 @@ def template() -> Source:
 
 
 def commented(source: Source) -> str:
-    """Text of a robot file.
-
-    Raises ValueError for a robot whose hardware cannot be built.
-    """
+    """Text of a robot file. Raises ValueError for hardware that cannot be built."""
     robot, limits = source.arm
     home = bent(source.arm)
     built = build(robot, limits, source.hardware, home=home)

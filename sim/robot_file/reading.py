@@ -91,11 +91,7 @@ _SLACK = 1e-9  # relative rounding below the triangle inequality
 
 
 def read_hardware(data: Mapping[str, Any], n_axes: int) -> Hardware:
-    """Hardware of the tables of a robot file.
-
-    Raises:
-        ValueError: a wrong table; the message names table and key, and what is allowed.
-    """
+    """Hardware of the tables of a robot file. Raises ValueError with table and key."""
     whole = table("hardware", data.get("hardware", {}), _WHOLE)
     gears = dict(table("gears", data.get("gears", {}), (*GEARS, "rigid")))
     rigid = gears.pop("rigid", False)
@@ -103,14 +99,27 @@ def read_hardware(data: Mapping[str, Any], n_axes: int) -> Hardware:
         raise ValueError(f"gears: rigid must be true or false, got {rigid!r}")
     springs = _values("gears", gears, GEARS, n_axes)
     effects = _values("effects", data.get("effects", {}), EFFECTS, n_axes)
-    _not_both(springs)
-    _not_alone(effects)
+    for name, other in (("stiffness", "frequency"), ("damping", "damping_ratio")):
+        if name in springs and other in springs:
+            raise ValueError(f"gears: give {name} or {other}, not both")
+    for name, size in NEEDED.items():  # an effect is absent without its size
+        if name in effects and size not in effects:
+            raise ValueError(f"effects: {name} needs {size}")
     if rigid and "lost_motion" in effects:
         raise ValueError("effects: lost_motion needs gears with springs, got gears: rigid = true")
+    bodies = tables("body", data.get("body", []))
+    if bodies and len(bodies) != n_axes:
+        n = len(bodies)
+        raise ValueError(f"body must be {n_axes} tables, one for each moving link, got {n}")
+    found = dict[str, Any]()
+    if "mass" in whole:
+        found["mass"] = scalar("hardware: mass", whole["mass"], "kg")
+    if "time_step" in whole:
+        found["timestep"] = scalar("hardware: time_step", whole["time_step"], "s", high=0.004)
     return Hardware(
-        **_whole(whole),
+        **found,
         base=_body("base", data.get("base", {})),
-        bodies=_bodies(data.get("body", []), n_axes),
+        bodies=tuple(_body(f"body {i}", row) for i, row in enumerate(bodies, 1)),
         tool=_body("tool", data.get("tool", {})),
         drives=_values("drives", data.get("drives", {}), DRIVES, n_axes),
         gears=springs,
@@ -118,22 +127,6 @@ def read_hardware(data: Mapping[str, Any], n_axes: int) -> Hardware:
         effects=effects,
         structure=_structure(data.get("structure", []), n_axes),
     )
-
-
-def _whole(given: Mapping[str, Any]) -> dict[str, Any]:
-    found = dict[str, Any]()
-    if "mass" in given:
-        found["mass"] = scalar("hardware: mass", given["mass"], "kg")
-    if "time_step" in given:
-        found["timestep"] = scalar("hardware: time_step", given["time_step"], "s", high=0.004)
-    return found
-
-
-def _bodies(rows: Any, n_axes: int) -> tuple[LinkBody, ...]:
-    rows = tables("body", rows)
-    if rows and len(rows) != n_axes:
-        raise ValueError(f"body must be {n_axes} tables, one for each moving link, got {len(rows)}")
-    return tuple(_body(f"body {i}", row) for i, row in enumerate(rows, 1))
 
 
 def _body(where: str, row: Any) -> LinkBody:
@@ -145,10 +138,7 @@ def _body(where: str, row: Any) -> LinkBody:
 
 
 def _inertia(where: str, value: Any) -> Six:
-    """xx, yy, zz, xy, xz, yz [kg m^2] of three or six numbers of a file.
-
-    Raises ValueError for an inertia that no body has; the message names the field.
-    """
+    """xx, yy, zz, xy, xz, yz [kg m^2] of three or six numbers of a file, which some body has."""
     if isinstance(value, list) and len(value) == 3:
         value = [*value, 0, 0, 0]
     if not isinstance(value, list) or len(value) != 6:
@@ -186,19 +176,6 @@ def _numbers(where: str, value: Any, key: Key, n_axes: int) -> tuple[float, ...]
     return tuple(
         scalar(where, one, key.unit, key.low, strict=key.strict, high=key.high) for one in listed
     )
-
-
-def _not_both(gears: Values) -> None:
-    for name, other in (("stiffness", "frequency"), ("damping", "damping_ratio")):
-        if name in gears and other in gears:
-            raise ValueError(f"gears: give {name} or {other}, not both")
-
-
-def _not_alone(effects: Values) -> None:
-    """An effect is absent without its size, and what else is said of it would be without effect."""
-    for name, size in NEEDED.items():
-        if name in effects and size not in effects:
-            raise ValueError(f"effects: {name} needs {size}")
 
 
 def _structure(rows: Any, n_axes: int) -> tuple[StructureHinge, ...]:

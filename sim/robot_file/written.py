@@ -1,6 +1,5 @@
 """Files of a robot whose MJCF is built: the MJCF, and a robot file that names it."""
 
-from collections.abc import Iterator
 from math import gcd, pi
 from typing import Any
 
@@ -8,16 +7,12 @@ from armside.kinematics.robot_file import link_tables, robot_tables
 
 from ..cell import Cell
 
-
-def _fractions_of_pi() -> Iterator[tuple[float, str]]:
-    for d in (1, 2, 3, 4, 6):
-        for n in range(-4 * d, 4 * d + 1):
-            if n and gcd(n, d) == 1:
-                factor = {1: "", -1: "-"}.get(n, f"{n}*")
-                yield n * pi / d, f"{factor}pi" if d == 1 else f"{factor}pi/{d}"
-
-
-_PI = tuple(_fractions_of_pi())
+_PI = tuple(
+    (n * pi / d, {1: "", -1: "-"}.get(n, f"{n}*") + ("pi" if d == 1 else f"pi/{d}"))
+    for d in (1, 2, 3, 4, 6)
+    for n in range(-4 * d, 4 * d + 1)
+    if n and gcd(n, d) == 1
+)
 _ROUNDING = 1e-14
 
 

@@ -125,13 +125,8 @@ def test_numbers_of_the_arm_side_are_those_of_their_statements(results):
     rms = {pose: base[pose]["arm_rms"] for pose in POSES}
     p1, p2, p3 = (rms[pose][5] / rms[pose][0] for pose in POSES)
     slow, fast = base["p1"], other["p1"]
-    found = ours(
-        [
-            *bands.arm_side(base),
-            *bands.cutoff_arm(slow, fast),
-            *bands.shift_arm(base, other),
-        ]
-    )
+    shifted = bands.shift_arm(base, other)
+    found = ours([*bands.arm_side(base), *bands.cutoff_arm(slow, fast), *shifted])
     assert found == pytest.approx(
         {
             "b1": p1,
@@ -163,13 +158,8 @@ def test_numbers_without_learning_compare_one_speed_with_another(results):
     first = {p: (slow[p]["motor_inf"][0], fast[p]["motor_inf"][0]) for p in POSES}
     errors = np.array([first[pose][0] for pose in POSES])
     ratio = np.array([b / a for a, b in first.values()])
-    found = ours(
-        [
-            *bands.nominal_by_position(slow),
-            *bands.growth(slow, fast),
-            *bands.saturation(slow, fast),
-        ]
-    )
+    grown = [*bands.growth(slow, fast), *bands.saturation(slow, fast)]
+    found = ours([*bands.nominal_by_position(slow), *grown])
     assert found == pytest.approx(
         {
             "f1": errors[2, 2] / errors.max(),
@@ -249,6 +239,7 @@ def test_sections_of_a_report_name_jobs_of_the_seed_that_is_given():
     for entry in select(["5", "8", "9", "F07", "9-map", "9-effects"]):
         jobs = entry.make(Asked(31)).jobs
         assert {getattr(job, "seed", 31) for job in jobs} <= {31}, entry.id
+        assert all(job.cost > 0.0 for job in jobs), entry.id
         others = entry.make(Asked(32)).jobs
         assert not set(jobs) & set(others), entry.id
 

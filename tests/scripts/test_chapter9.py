@@ -81,39 +81,6 @@ def test_the_findings_of_the_thesis_are_inside_the_bands():
     assert all(holding(bands.criterion_of()).values())
 
 
-@pytest.mark.parametrize(
-    ("pose", "rms", "fails"),
-    [
-        ("p1", [1, 0.9, 0.8, 0.7, 0.7, 0.7], {"b1", "b6"}),
-        ("p2", [1, 0.6, 0.55, 0.52, 0.5, 0.48], {"b3", "b4"}),
-        ("p3", [1, 0.8, 0.7, 0.7, 0.7, 0.7], {"b5"}),
-        ("p3", [1, 1.5, 2.0, 2.0, 2.0, 2.0], {"b5"}),
-        ("p2", [1, 1.2, 1.2, 1.2, 1.3, 1.3], {"b7"}),
-        ("p1", [1, 0.5, np.nan, np.nan, np.nan, np.nan], {"b1", "b6"}),
-    ],
-)
-def test_other_behaviour_of_the_arm_fails_where_it_differs(pose, rms, fails):
-    base = {p: result(p) for p in POSES}
-    base[pose]["arm_rms"] = 3e-4 * np.array(rms)
-    assert {name for name, holds in holding(bands.arm_side(base)).items() if not holds} == fails
-
-
-def test_motors_that_do_not_learn_fail():
-    base = {pose: result(pose) for pose in POSES}
-    base["p2"]["motor_inf"] = np.tile(base["p2"]["motor_inf"][:1], (K, 1))
-    assert not any(holding(bands.motor_side(base))[name] for name in ("a1", "a3", "a4"))
-
-
-def test_repeatability_is_the_difference_over_the_best_error():
-    """(9.10) by hand: outputs differ by 2e-5 rad, gear 200, best error 0.02 motor rad."""
-    first, second = result(), result()
-    first["motor_inf"] = np.full((K, 6), 0.02)
-    second["motor_inf"] = np.full((K, 6), 0.03)
-    second["error"] = first["error"] + 2e-5
-    values = bands.repeatability_per_iteration(first, second)
-    assert values == pytest.approx(np.full(K, 2e-5 * 200.0 / 0.02))
-
-
 def test_thesis_table_of_experiments_is_complete():
     """Positions, velocities and design variables of thesis 9.4.1-9.4.5."""
     assert set(STUDIES["position"].jobs(0)) == {"p1", "p2", "p3"}
@@ -179,14 +146,8 @@ def test_the_page_quotes_the_numbers_of_its_table():
     quoted = rows_of(docs / "chapter9.md")
     assert len(quoted) > 15
     for name, what, thesis, ours, band, holds in quoted:
-        _, made_what, made_thesis, made_band, seed_0, *_, made_holds = made[name]
-        assert (what, thesis, ours, band, holds) == (
-            made_what,
-            made_thesis,
-            seed_0,
-            made_band,
-            made_holds,
-        )
+        assert [name, what, thesis, band, ours] == made[name][:5]
+        assert holds == made[name][-1]
 
 
 def rows_of(page: Path) -> list[list[str]]:

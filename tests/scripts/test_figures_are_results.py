@@ -78,55 +78,48 @@ def numbers(axes):
     return [float(n) for n in re.findall(r"([\d.]+) µm", title(axes))]
 
 
+def ranges(axes):
+    return [np.ptp(values) for values in y(axes)]
+
+
+def holes(summary):
+    return summary["kerf"]["hole_roundness_true"]
+
+
+def tool(k):
+    return lambda summary: [rows(name)(summary)[k] for name in ("arm_rms", "arm_maxdev")]
+
+
+def motors(summary):
+    return np.transpose(rows("motor_inf_normalised")(summary))
+
+
 # Each: line, figure, its panel, where its unit is written, what is drawn, what the summary has.
 # Numbers in titles are whole micrometres; a path of 361 sides is within 0.2 um of its circle.
 Y = {"rtol": 1e-12}
 WHOLE = {"rtol": 0.0, "atol": 0.5}
 SHOWN = [
+    ("laser", "errors.png", 0, "label", y, motors, Y),
+    ("laser", "errors.png", 1, "label", lambda a: y(a)[0], rows("arm_maxdev"), Y),
+    ("laser", "errors.png", 1, "label", lambda a: y(a)[1], rows("arm_rms"), Y),
+    ("laser", "circles.png", 1, "title", numbers, tool(1), WHOLE),
+    ("laser", "circles.png", 0, "legend", magnified, lambda s: rows("arm_maxdev")(s)[0], WHOLE),
+    ("laser", "circles.png", 1, "legend", magnified, lambda s: rows("arm_maxdev")(s)[1], WHOLE),
+    ("laser", "kerf.png", 1, "title", numbers, lambda s: holes(s)[1:], WHOLE),
+    ("laser", "kerf.png", 2, "label", ranges, holes, Y),
+    ("first", "kerf.png", 1, "label", ranges, holes, Y),
     (
-        "laser",
-        "errors.png",
+        "compare",
+        "compare.png",
         0,
         "label",
         y,
-        lambda s: np.transpose(rows("motor_inf_normalised")(s)),
-        Y,
-    ),
-    (
-        *("laser", "errors.png", 1, "label", y),
-        lambda s: [rows("arm_maxdev")(s), rows("arm_rms")(s)],
-        Y,
-    ),
-    (
-        *("laser", "circles.png", 1, "title", numbers),
-        lambda s: [rows(n)(s)[1] for n in ("arm_rms", "arm_maxdev")],
-        WHOLE,
-    ),
-    ("laser", "circles.png", 0, "legend", magnified, lambda s: rows("arm_maxdev")(s)[0], WHOLE),
-    ("laser", "circles.png", 1, "legend", magnified, lambda s: rows("arm_maxdev")(s)[1], WHOLE),
-    (
-        *("laser", "kerf.png", 1, "title", numbers),
-        lambda s: [s["kerf"]["hole_roundness_true"][1]],
-        WHOLE,
-    ),
-    (
-        *("laser", "kerf.png", 2, "label", lambda axes: [np.ptp(v) for v in y(axes)]),
-        lambda s: s["kerf"]["hole_roundness_true"],
-        Y,
-    ),
-    (
-        *("first", "kerf.png", 1, "label", lambda axes: [np.ptp(v) for v in y(axes)]),
-        lambda s: s["kerf"]["hole_roundness_true"],
-        Y,
-    ),
-    (
-        *("compare", "compare.png", 0, "label", y),
-        lambda s: [row["arm_rms"] for row in s["comparisons"]],
+        lambda s: [r["arm_rms"] for r in s["comparisons"]],
         Y,
     ),
     ("laser", "kerf.png", 0, "x", widest, lambda s: s["kerf"]["widest_true"][0], Y),
-    ("cut", "part.png", 0, "title", numbers, lambda s: [rows("arm_rms")(s)[0]], WHOLE),
-    ("cut", "part.png", 1, "title", numbers, lambda s: [rows("arm_rms")(s)[1]], WHOLE),
+    ("cut", "part.png", 0, "title", numbers, lambda s: rows("arm_rms")(s)[:1], WHOLE),
+    ("cut", "part.png", 1, "title", numbers, lambda s: rows("arm_rms")(s)[1:], WHOLE),
     ("cut", "errors.png", 1, "label", lambda a: y(a)[1], rows("arm_rms"), Y),
 ]
 
@@ -170,9 +163,8 @@ def test_axes_of_a_run_have_names_units_and_round_ticks(made, line):
             ticks = [label.get_text() for label in axes.get_xticklabels() if label.get_text()]
             assert len(set(ticks)) == len(ticks), file
             assert "−0" not in ticks
-            for step in np.unique(
-                np.diff([t for t in axes.get_yticks() if axes.get_yscale() == "linear"]).round(9)
-            ):
+            places = axes.get_yticks() if axes.get_yscale() == "linear" else []
+            for step in np.unique(np.diff(places).round(9)):
                 mantissa = step / 10.0 ** np.floor(np.log10(step))
                 assert round(mantissa, 6) in (1, 2, 2.5, 5, 10), (file, step)
         assert figure.get_suptitle() or all(map(title, figure.axes)), file
@@ -242,8 +234,7 @@ def test_the_replay_of_a_part_colours_its_contours_and_draws_rapid_moves_thin(ma
         rgb = np.array([[c >> 24 & 255, c >> 16 & 255, c >> 8 & 255] for c in tool["colors"]])
         assert len(rgb) == len(tool["strips"])
         assert np.ptp(rgb, axis=1).max() > 150  # the last run is not all grey
-    ends = [
-        own["view_range"] for _, own in sent(out / "replay.rrd", "blueprint") if "view_range" in own
-    ]
+    blueprint = [own for _, own in sent(out / "replay.rrd", "blueprint")]
+    ends = [own["view_range"] for own in blueprint if "view_range" in own]
     assert ends
     assert all(range["start"] == 0 < range["end"] for (range,) in ends)

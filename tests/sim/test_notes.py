@@ -17,10 +17,15 @@ from armside.sim.motion.timing import PathLimits
 from armside.sim.notes import Cause, Note, counted, together
 
 
-def cut_once(cut, seed=0):
+def cut_once(cut):
     """An experiment and its only iteration."""
-    experiment = prepare(cut, seed=seed)
+    experiment = prepare(cut)
     return experiment, next(iterate(experiment, MotorAngles().prepare(experiment), 0))
+
+
+@pytest.fixture(scope="module")
+def ordinary():
+    return cut_once(Cut())
 
 
 def said(cut, cause):
@@ -35,8 +40,8 @@ def test_runs_with_the_same_note_become_one_line():
     assert note.line == "lost"
 
 
-def test_an_ordinary_cut_has_nothing_to_say():
-    experiment, iteration = cut_once(Cut())
+def test_an_ordinary_cut_has_nothing_to_say(ordinary):
+    experiment, iteration = ordinary
     assert notes(experiment, [iteration]) == []
 
 
@@ -57,14 +62,11 @@ def test_a_ramp_that_acceleration_lengthens_is_said():
     assert "1.3 m/s^2 along the path" in line
 
 
-def test_a_saturated_drive_is_named():
-    experiment, iteration = cut_once(Cut())
+def test_a_saturated_drive_is_named(ordinary):
+    experiment, iteration = ordinary
     hits = (("torque", 2, 0.4), ("torque", 3, 0.5), ("speed", 5, 0.6), ("joint", 1, 0.7))
-    recording = replace(iteration.run.recording, limits_hit=hits)
-    lines = [
-        note.text for note in pass_notes(experiment, replace(iteration.run, recording=recording))
-    ]
-    assert lines == [
+    run = replace(iteration.run, recording=replace(iteration.run.recording, limits_hit=hits))
+    assert [note.text for note in pass_notes(experiment, run)] == [
         "drives saturate: torque limit of axis 2, 3",
         "speed limit of axis 5 is reached",
         "hard stop of axis 1 is reached",
@@ -72,16 +74,15 @@ def test_a_saturated_drive_is_named():
 
 
 @pytest.mark.parametrize(("axes", "ends"), [((1, 2, 3, 4, 5, 6), "saturated"), ((2, 3), "done")])
-def test_a_run_whose_every_drive_saturates_is_not_done(axes, ends):
-    _, iteration = cut_once(Cut())
+def test_a_run_whose_every_drive_saturates_is_not_done(ordinary, axes, ends):
+    _, iteration = ordinary
     hits = tuple(("torque", axis, 0.4) for axis in axes)
-    recording = replace(iteration.run.recording, limits_hit=hits)
-    run = replace(iteration.run, recording=recording)
+    run = replace(iteration.run, recording=replace(iteration.run.recording, limits_hit=hits))
     assert status([replace(iteration, run=run)], of_tool=False) == ends
 
 
-def test_a_lost_beam_is_said():
-    experiment, iteration = cut_once(Cut())
+def test_a_lost_beam_is_said(ordinary):
+    experiment, iteration = ordinary
     tracker = iteration.run.tracker
     lost = replace(tracker, valid=np.zeros(len(tracker.time), dtype=bool))
     (note,) = pass_notes(experiment, replace(iteration.run, tracker=lost))
@@ -93,9 +94,8 @@ def test_samples_of_the_imu_that_are_bridged_or_useless_are_said():
     run = iteration.run
     clipped = run.imu.acceleration_clipped.copy()
     clipped[40] = True
-    (bridged,) = pass_notes(
-        experiment, replace(run, imu=replace(run.imu, acceleration_clipped=clipped))
-    )
+    gap = replace(run.imu, acceleration_clipped=clipped)
+    (bridged,) = pass_notes(experiment, replace(run, imu=gap))
     assert "bridged" in bridged.text
     broken = replace(run.imu, acceleration=np.full_like(run.imu.acceleration, np.nan))
     (useless,) = pass_notes(experiment, replace(run, imu=broken))

@@ -10,8 +10,7 @@ gear (6,); motion_end, the sample at which the reference comes to rest.
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,6 +28,8 @@ from armside.ilc.laws import Heuristic
 from armside.ilc.measures import norms as measures
 from armside.ilc.models.system import System
 from armside.sim.evaluation.check import Check
+
+from ..report import Band
 
 Result = Mapping[str, NDArray[Any]]
 ByPose = Mapping[str, Result]
@@ -48,15 +49,6 @@ THESIS_MODEL = System(
 """(9.12)."""
 THESIS_REPEATABILITY = 0.2
 """Of (9.10), about: what an identical experiment changes is no significant change."""
-
-
-class Band(NamedTuple):
-    """A number of chapter 9: its meaning, the thesis's own, and where ours should lie."""
-
-    statement: str
-    thesis: str
-    low: float | None = None
-    high: float | None = None
 
 
 SLOW_MOTORS = (
@@ -124,10 +116,7 @@ repeatability."""
 
 def compare(**ours: ArrayLike) -> list[Check]:
     """Numbers by the id of their band."""
-    return [
-        Check(id, statement, thesis, float(np.asarray(ours[id])), low=low, high=high)
-        for id, (statement, thesis, low, high) in ((id, BANDS[id]) for id in ours)
-    ]
+    return [BANDS[id].check(id, value) for id, value in ours.items()]
 
 
 def over_first(result: Result, name: str = "arm_rms") -> Array:
@@ -157,9 +146,7 @@ def stability(ten: ByPose) -> list[Check]:
         which = f"motor {change.argmax() + 1} at {pose} is still learning at k = 5"
         reason = f"{which}; in units of (9.5) its error changes by {change.max() / first:.2f}"
         found.append((change.max() / norm[AT].max(), reason))
-    worst, reason = max(found)
-    (check,) = compare(a5=worst)
-    return [replace(check, reason=reason)]
+    return [BANDS["a5"].check("a5", *max(found))]
 
 
 def predicted_rates(
@@ -202,8 +189,7 @@ def cutoff_worse(slow: Result, fast: Result) -> list[Check]:
     better = int((over(fast, slow, "motor_two") < 1.0).sum())
     which = ", ".join(str(i + 1) for i in np.flatnonzero(worse))
     reason = f"motors {which} are worse; in the 2-norm, that of the criterion, {better} are better"
-    (check,) = compare(c4=worse.sum())
-    return [replace(check, reason=reason)]
+    return [BANDS["c4"].check("c4", worse.sum(), reason)]
 
 
 def shift_arm(delta_3: ByPose, delta_6: ByPose) -> list[Check]:
@@ -215,8 +201,8 @@ def shift_arm(delta_3: ByPose, delta_6: ByPose) -> list[Check]:
 def shift_motor(by_delta: Mapping[Any, Result]) -> list[Check]:
     """(d): the shift matters little on the motor side. p1. Thesis Fig 9.12."""
     error = np.array([result["motor_inf"][AT] for result in by_delta.values()])
-    (check,) = compare(d3=(error.max(axis=0) / error.min(axis=0)).max())
-    return [replace(check, reason=SLOW_MOTORS)]
+    worst = (error.max(axis=0) / error.min(axis=0)).max()
+    return [BANDS["d3"].check("d3", worst, SLOW_MOTORS)]
 
 
 def learning_signals(

@@ -15,7 +15,7 @@ from armside.arrays import Array
 
 from ...figures import canvas
 from ...figures.canvas import COLORS, INK, MARKERS, REFERENCE, logarithmic, whole_numbers
-from .bands import Band
+from ..report import Band
 
 Curves = Mapping[str, ArrayLike]
 """Label: values over x."""
@@ -199,15 +199,14 @@ def _panels(
 
     names: their font size.
     """
-    titles, labels = list(content), (xlabel, ylabel)
-    look = {"edges": (0.75, 0.15, 0.95, 0.62), "gaps": (0.45, 0.62), "sharey": share_y}
-    size = width, height
-    with canvas.tiles(file, len(titles), columns, size, labels=labels, **look) as grid:
+    look: dict[str, Any] = {"edges": (0.75, 0.15, 0.95, 0.62), "gaps": (0.45, 0.62)}
+    look |= {"titles": list(content), "labels": (xlabel, ylabel), "sharey": share_y}
+    with canvas.tiles(file, len(look["titles"]), columns, (width, height), **look) as grid:
         figure = grid[0].figure
         figure.suptitle(title, x=0.02, y=1.0 - 0.12 / figure.get_figheight(), ha="left", va="top")
         yield grid
-        for axes, name in zip(grid, titles, strict=True):
-            axes.set_title(name, fontsize=names)
+        for axes in grid:
+            axes.set_title(axes.get_title(loc="left"), fontsize=names)
             axes.yaxis.label.set_size(9)
         handles, found = grid[0].get_legend_handles_labels()
         if found:

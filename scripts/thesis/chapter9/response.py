@@ -9,7 +9,7 @@ from armside.arrays import Array
 from armside.ilc.analysis.criterion import frequency_grid, hertz, shift_response
 from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.identification import first_order_lag as first_order
-from armside.ilc.identification.arx import ArxFit, fit_arx
+from armside.ilc.identification.arx import fit_arx
 from armside.ilc.identification.first_order_lag import FirstOrderModel, fit_of
 from armside.ilc.laws import Heuristic
 from armside.ilc.models.system import System
@@ -54,7 +54,7 @@ def identified_model(seed: int) -> Part:
                 *bands.criterion_of(),
                 *bands.predicted_rates(model.system, at_40, LAW, MOST_MOVED),
             ],
-            [_delay_table(data), _motors_table(data), _arx_table(data)],
+            _tables(data),
         )
 
     return Part(list(jobs.values()), draw)
@@ -89,48 +89,38 @@ def _response_figure(file: Path, data: Data, model: System) -> None:
     figures.simulated(file, SAMPLE_TIME, cases)
 
 
-def _row(model: FirstOrderModel, data: Data, motors: tuple[int, ...]) -> list[float | str]:
-    """A model as in `_MODEL`, validated at p2."""
-    validation = fit_of(model.system, *bands.learning_signals(data["p2"], motors))
-    dynamics = (model.delay, model.pole, model.static_gain, model.total_delay)
-    return [*dynamics, model.fit, validation, _said(model)]
+def _tables(data: Data) -> list[Table]:
+    """Output error by delay and by motor, and ARX by delay: estimated at p1, validated at p2."""
 
+    def row(model: FirstOrderModel, motors: tuple[int, ...]) -> list[float | str]:
+        validation = fit_of(model.system, *bands.learning_signals(data["p2"], motors))
+        dynamics = (model.delay, model.pole, model.static_gain, model.total_delay)
+        return [*dynamics, model.fit, validation, "; ".join(model.warnings) or "-"]
 
-def _said(fit: FirstOrderModel | ArxFit) -> str:
-    """Reasons not to believe a fit, a dash without any."""
-    return "; ".join(fit.warnings) or "-"
-
-
-def _delay_table(data: Data) -> Table:
-    """Output error by delay: the pole makes up for a wrong delay, so the choice is flat."""
-    u, y = bands.learning_signals(data["p1"], MOST_MOVED)
-    fits = [first_order.fit_first_order(u, y, SAMPLE_TIME, delays=[delay]) for delay in DELAYS]
-    title = "Output error by delay, motors 4 and 6: estimated at p1, validated at p2"
-    return Table(title, _MODEL, [_row(fit, data, MOST_MOVED) for fit in fits])
-
-
-def _motors_table(data: Data) -> Table:
-    """Output error, each motor on its own: the error of one model for all."""
-    found = (_row(identify(data["p1"], (motor,)), data, (motor,)) for motor in range(6))
-    rows = [[name, *row] for name, row in zip(figures.MOTORS, found, strict=True)]
-    return Table("Output error, each motor on its own", ("", *_MODEL), rows)
-
-
-def _arx_table(data: Data) -> Table:
-    """The structure of (9.12) by least squares, for each delay: prediction is not simulation."""
     p1, p2 = (bands.learning_signals(data[pose], MOST_MOVED) for pose in POSES)
-    rows = []
+    # the pole makes up for a wrong delay, so the choice is flat
+    fits = (first_order.fit_first_order(*p1, SAMPLE_TIME, delays=[delay]) for delay in DELAYS)
+    by_delay = [row(fit, MOST_MOVED) for fit in fits]
+    # the error of one model for all motors
+    own = (row(identify(data["p1"], (motor,)), (motor,)) for motor in range(6))
+    by_motor = [[name, *cells] for name, cells in zip(figures.MOTORS, own, strict=True)]
+    by_arx = []  # the structure of (9.12) by least squares: prediction is not simulation
     for nk in DELAYS:
         fit = fit_arx(*p1, SAMPLE_TIME, na=1, nb=1, nk=nk)
-        fits = (_simulated_fit(fit.system, *signals) for signals in (p1, p2))
-        rows.append([nk, float(-fit.model.theta[0]), fit.system.static_gain, *fits, _said(fit)])
-    title = "ARX with one pole, motors 4 and 6: estimated at p1, simulated at p1 and p2"
+        fits_of = (_simulated_fit(fit.system, *signals) for signals in (p1, p2))
+        gains = float(-fit.model.theta[0]), fit.system.static_gain
+        by_arx.append([nk, *gains, *fits_of, "; ".join(fit.warnings) or "-"])
+    at, arx = "estimated at p1, validated at p2", "estimated at p1, simulated at p1 and p2"
     columns = ["delay", "pole", "static gain", "fit p1 [%]", "fit p2 [%]", "warnings"]
-    return Table(title, columns, rows)
+    return [
+        Table(f"Output error by delay, motors 4 and 6: {at}", _MODEL, by_delay),
+        Table("Output error, each motor on its own", ("", *_MODEL), by_motor),
+        Table(f"ARX with one pole, motors 4 and 6: {arx}", columns, by_arx),
+    ]
 
 
 def _simulated_fit(system: System, u: Array, y: Array) -> float:
     """[%]; a model that predicts well may be unstable, and then simulates nothing."""
-    return (
-        100.0 * float(first_order.fit_of_each(system, u, y).mean()) if system.is_stable else -np.inf
-    )
+    if not system.is_stable:
+        return -np.inf
+    return 100.0 * float(first_order.fit_of_each(system, u, y).mean())

@@ -104,7 +104,7 @@ def individuals(seed: int) -> Part:
                 Check("F07b", half, "improves at p1", improved, low=0.5),
                 Check("F07c", order, "p1 best, p3 worst", ordered, low=0.9),
                 Check(
-                    "F07d", little, BANDS["b5"].thesis, (p3 >= LITTLE).sum(), low=N_INDIVIDUALS / 2
+                    "F07d", little, BANDS["b5"].stated, (p3 >= LITTLE).sum(), low=N_INDIVIDUALS / 2
                 ),
             ],
             [Table("Distribution", ["", *(f"{p} %" for p in percent)], rows)],

@@ -1,43 +1,36 @@
-"""Effects of gears and drives: each has its documented size, and a loaded model has none."""
+"""Effects of gears and drives: each has its documented size, and a loaded design has none."""
 
 import mujoco
 import numpy as np
 import pytest
 
-from armside import assets
-from armside.sim.robot.effects import Effect, available, load_friction, with_effects
-from armside.sim.robot.model import load_model
+from armside.sim.robot.effects import Effect, available, with_effects
 from armside.sim.robot.statics import spring_stiffness
 from armside.sim.robot.virtual_robot import VirtualRobot
 
 POSE = np.deg2rad([3.5, 7.8, 12.4, 18.2, -9.2, -11.6])
 
 
-@pytest.fixture(scope="module")
-def model():
-    return load_model(assets.LARGE_ROBOT_XML)
-
-
 def _still(n=120):
     return np.repeat(POSE[None], n, axis=0)
 
 
-def test_the_large_robot_has_data_for_all_and_the_irb1400_for_none(model):
-    assert available(model) == frozenset(Effect)
-    assert available(load_model(assets.IRB1400_XML)) == frozenset()
+def test_the_large_robot_has_data_for_all_and_the_irb1400_for_none(design, irb1400):
+    assert available(design) == frozenset(Effect)
+    assert available(irb1400) == frozenset()
 
 
-def test_effects_leave_the_model_they_are_added_to_alone(model):
-    before = model.mj.actuator_biasprm.copy(), model.mj.jnt_stiffness.copy()
-    with_effects(model, Effect, phi=POSE)
-    assert np.array_equal(before[0], model.mj.actuator_biasprm)
-    assert np.array_equal(before[1], model.mj.jnt_stiffness)
+def test_effects_leave_the_model_they_are_added_to_alone(design):
+    before = design.mj.actuator_biasprm.copy(), design.mj.jnt_stiffness.copy()
+    with_effects(design, Effect, phi=POSE)
+    assert np.array_equal(before[0], design.mj.actuator_biasprm)
+    assert np.array_equal(before[1], design.mj.jnt_stiffness)
 
 
-def test_a_gear_with_lost_motion_is_soft_inside_and_stiff_outside(model):
-    soft = with_effects(model, {Effect.LOST_MOTION}, phi=POSE)
+def test_a_gear_with_lost_motion_is_soft_inside_and_stiff_outside(design):
+    soft = with_effects(design, {Effect.LOST_MOTION}, phi=POSE)
     data = mujoco.MjData(soft.mj)
-    stiff = model.mj.joint("flex_1").stiffness[0]
+    stiff = design.mj.joint("flex_1").stiffness[0]
     half = soft.mj.numeric("gear_lost_motion").data[0]
 
     def torque(angle):
@@ -51,60 +44,48 @@ def test_a_gear_with_lost_motion_is_soft_inside_and_stiff_outside(model):
     assert inside == pytest.approx(soft.mj.numeric("gear_soft_stiffness").data[0], rel=1e-9)
     assert outside == pytest.approx(stiff, rel=1e-6)
     assert torque(-3 * half) == pytest.approx(-torque(3 * half))
-    assert spring_stiffness(soft) == pytest.approx(spring_stiffness(model))
+    assert spring_stiffness(soft) == pytest.approx(spring_stiffness(design))
 
 
-def test_a_transmission_error_moves_the_tool_but_not_the_encoder(model):
+def test_a_transmission_error_moves_the_tool_but_not_the_encoder(design):
     """Slow motion of axis 1 by one motor revolution: the tool leaves the line by the error."""
-    turn = 2 * np.pi / model.drives.gear[0]
+    turn = 2 * np.pi / design.drives.gear[0]
     reference = _still(1500)
     reference[:, 0] += turn * 0.5 * (1 - np.cos(np.pi * np.linspace(0, 1, 1500)))
     tools = []
     for effects in ((), {Effect.GEAR_ERROR}):
-        robot = VirtualRobot(with_effects(model, effects, phi=POSE))
+        robot = VirtualRobot(with_effects(design, effects, phi=POSE))
         recording = robot.run(reference)
         tools.append(recording.truth.tool_position)
         assert np.abs(recording.error).max() < 2e-3
     apart = np.linalg.norm(tools[1] - tools[0], axis=1)
     radius = np.hypot(*tools[0][0, :2])
-    amplitude = model.mj.numeric("gear_error").data
+    amplitude = design.mj.numeric("gear_error").data
     assert apart.max() < 2.5 * 6 * amplitude.sum() * radius  # six axes at once, at most
     assert np.ptp(apart) > amplitude[2] * radius  # the part of the motor's own turn
 
 
-def test_measured_angle_rests_on_the_reference_also_with_a_gear_error(model):
-    robot = VirtualRobot(with_effects(model, {Effect.GEAR_ERROR}, phi=POSE))
+def test_measured_angle_rests_on_the_reference_also_with_a_gear_error(design):
+    robot = VirtualRobot(with_effects(design, {Effect.GEAR_ERROR}, phi=POSE))
     recording = robot.run(_still())
-    count = 2 * np.pi / 16384 / model.drives.gear
+    count = 2 * np.pi / 16384 / design.drives.gear
     assert (np.abs(recording.error) <= 0.51 * count).all()
     assert np.ptp(recording.truth.tool_position, axis=0).max() < 1e-7
 
 
-def test_ripple_is_a_torque_of_the_motor_angle(model):
-    rough = with_effects(model, {Effect.RIPPLE}, phi=POSE)
+def test_ripple_is_a_torque_of_the_motor_angle(design):
+    rough = with_effects(design, {Effect.RIPPLE}, phi=POSE)
     amplitude, order = rough.mj.numeric("torque_ripple").data
-    peak = amplitude * model.drives.torque_limit
+    peak = amplitude * design.drives.torque_limit
     for i in range(6):
         bias = rough.mj.actuator_biasprm[rough.mj.actuator(f"axis_{i + 1}").id]
         assert bias[:2] == pytest.approx([peak[i], order])
 
 
-def test_ripple_does_not_move_a_robot_that_has_come_to_rest(model):
+def test_ripple_does_not_move_a_robot_that_has_come_to_rest(design):
     """The servo holds the ripple at the angles where it stands: a run starts without a jump."""
-    robot = VirtualRobot(with_effects(model, Effect, phi=POSE))
+    robot = VirtualRobot(with_effects(design, Effect, phi=POSE))
     truth = robot.run(_still()).truth
-    count = 2 * np.pi / model.drives.encoder_counts / model.drives.gear
+    count = 2 * np.pi / design.drives.encoder_counts / design.drives.gear
     assert (np.ptp(truth.gear_angle, axis=0) < 0.05 * count).all()
     assert np.ptp(truth.tool_position, axis=0).max() < 1e-6
-
-
-def test_friction_follows_from_load_and_temperature_as_measured():
-    """Values at no load of the source: robot-data 3.3, 26 Nm."""
-    coulomb, static, viscous, stribeck = load_friction(np.zeros(1), 33.0)
-    assert 26.0 * coulomb[0] == pytest.approx(0.81, abs=0.005)
-    assert 26.0 * viscous == pytest.approx(0.0104, abs=1e-4)
-    assert stribeck == pytest.approx(7.5, abs=0.05)
-    assert 26.0 * (static[0] - coulomb[0]) == pytest.approx(0.72, abs=0.01)
-    for temperature, excess in ((25.0, 0.39), (50.0, 1.43), (80.0, 2.68)):
-        coulomb, static, _, _ = load_friction(np.zeros(1), temperature)
-        assert 26.0 * (static[0] - coulomb[0]) == pytest.approx(excess, abs=0.01)

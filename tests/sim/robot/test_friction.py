@@ -34,9 +34,8 @@ def test_friction_depends_on_load_and_temperature_as_published(load, temperature
 
 
 @pytest.mark.parametrize("temperature", [None, 50.0])
-def test_a_drive_under_load_has_the_friction_of_its_robot(temperature):
+def test_a_drive_under_load_has_the_friction_of_its_robot(design, temperature):
     """Every axis: holding torque over peak torque, then the robot's own scale and static part."""
-    design = load_model(assets.LARGE_ROBOT_XML)
     own = FrictionFactors(*np.exp(np.random.default_rng(0).normal(0.0, 0.1, (3, 6))))
     hold = Statics(design).equilibrium(POSE).holding_torque
     drives, numeric = design.drives, design.mj.numeric
@@ -90,10 +89,9 @@ def test_a_drive_at_constant_speed_feels_its_friction_curve(name, effects):
         assert damper == pytest.approx(-mj.actuator_damping[axes] * speed, rel=1e-6)
 
 
-def test_friction_feedforward_fades_to_zero_below_its_speed():
-    """tanh(v / 0.02 rad/s), arm side, whatever the gear."""
-    drives = load_model(assets.IRB1400_XML).drives
-    fast = friction_torque(replace(drives, friction_curve=False), np.full((1, 6), 10.0))
-    for speed in (0.002, 0.02, 0.05):
-        slow = friction_torque(replace(drives, friction_curve=False), np.full((1, 6), speed))
-        assert slow / fast == pytest.approx(np.full((1, 6), np.tanh(speed / 0.02)))
+def test_friction_feedforward_fades_to_zero_below_its_speed(irb1400):
+    """0.7 of Coulomb friction times tanh(v / 0.02 rad/s), arm side, whatever the gear."""
+    drives = replace(irb1400.drives, friction_curve=False)
+    speed = np.repeat([[0.002], [0.02], [0.05], [0.5], [2.0]], 6, axis=1)
+    full = 0.7 * drives.coulomb_friction * drives.gear
+    assert friction_torque(drives, speed) == pytest.approx(np.tanh(speed / 0.02) * full)

@@ -7,29 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from armside import assets
 from armside.sim.laser import Cut, prepare
 from armside.sim.robot.individual import (
     Individual,
     with_individual,
     with_payload,
 )
-from armside.sim.robot.model import load_model
 from armside.sim.robot.spread import PRODUCTION, Spread, draw
 from armside.sim.robot.statics import Statics
 from armside.sim.robot.virtual_robot import VirtualRobot
 
 GRAVITY = 9.82  # [m/s^2], of the model
-
-
-@pytest.fixture(scope="module")
-def design():
-    return load_model(assets.LARGE_ROBOT_XML)
-
-
-@pytest.fixture(scope="module")
-def reference(design):
-    return prepare(Cut(), nominal=design).loaded.reference
 
 
 def _individual(design, seed=0, **spread):
@@ -125,13 +113,9 @@ def test_a_negative_payload_is_refused(design, mass):
         with_payload(design, mass)
 
 
-def test_a_robot_without_a_tool_of_its_own_says_so():
-    irb1400 = load_model(assets.IRB1400_XML)
-    try:
-        irb1400.mj.body("tool")
-    except KeyError:
-        with pytest.raises(ValueError, match="lacks the body tool"):
-            with_payload(irb1400, 5.0)
+def test_a_robot_without_a_tool_of_its_own_says_so(irb1400):
+    with pytest.raises(ValueError, match="lacks the body tool"):
+        with_payload(irb1400, 5.0)
 
 
 def test_a_negative_spread_is_refused():

@@ -7,7 +7,6 @@ import mujoco
 import numpy as np
 import pytest
 
-from armside import assets
 from armside.sim.robot.effects import Effect, with_effects
 from armside.sim.robot.individual import (
     Individual,
@@ -15,7 +14,7 @@ from armside.sim.robot.individual import (
     with_individual,
     with_payload,
 )
-from armside.sim.robot.model import load_model
+from armside.sim.robot.mjcf import axis_actuators
 from armside.sim.robot.spread import PRODUCTION, Spread, draw
 
 POSE = np.deg2rad([3.5, 7.8, 12.4, 18.2, -9.2, -11.6])
@@ -23,8 +22,8 @@ AXES = range(1, 7)
 
 
 @pytest.fixture(scope="module")
-def design():
-    return with_effects(load_model(assets.LARGE_ROBOT_XML), set(Effect), phi=POSE)
+def design(design):
+    return with_effects(design, set(Effect), phi=POSE)
 
 
 def factors(seed, *shape):
@@ -34,7 +33,7 @@ def factors(seed, *shape):
 def parameters(model):
     """Numbers of the model that an individual may change, by name, each with axes first."""
     mj = model.mj
-    axes = [mj.actuator(f"axis_{i}").id for i in AXES]
+    axes = axis_actuators(mj)
     gears = [mj.joint(f"flex_{i}").id for i in AXES]
     tendons = [mj.tendon(f"gear_{i}").id for i in AXES]
     bodies = [int(mj.jnt_bodyid[mj.joint(f"motor_{i}").id]) for i in AXES]
@@ -107,7 +106,7 @@ def test_geometry_and_phases_are_added_to_those_of_the_design(design):
         rotation = np.empty(3)
         mujoco.mju_subQuat(rotation, robot.mj.body_quat[body], design.mj.body_quat[body])
         assert rotation == pytest.approx(vector, abs=1e-12)
-    axes = [design.mj.actuator(f"axis_{i}").id for i in AXES]
+    axes = axis_actuators(design.mj)
     ripple = robot.mj.actuator_biasprm[axes, 2] - design.mj.actuator_biasprm[axes, 2]
     assert ripple == pytest.approx(individual.ripple_phase)
     phase = robot.gear_error.phase - design.gear_error.phase

@@ -14,7 +14,6 @@ from armside import assets
 from armside.sim.robot.drives import friction_torque
 from armside.sim.robot.effects import Effect, with_effects
 from armside.sim.robot.model import load_model
-from armside.sim.robot.recording import saturation
 from armside.sim.robot.run import WATCHED
 from armside.sim.robot.servo import correction_path, interpolate
 from armside.sim.robot.statics import Statics
@@ -160,12 +159,6 @@ def test_the_noise_of_the_servo_stops_while_the_brakes_hold():
     assert not split(noisy.controls)[2][off].any()
 
 
-def test_a_run_without_a_generator_has_no_noise(loaded):
-    controls, noise = loaded.controls_with(np.zeros_like(loaded.reference), None)
-    assert noise is None
-    assert np.array_equal(controls, loaded.controls)
-
-
 # Reported torque
 
 
@@ -269,13 +262,3 @@ def test_a_load_is_refused_exactly_where_a_drive_cannot_hold_it(axis):
                 VirtualRobot(weak).load(still)
         else:
             VirtualRobot(weak).load(still)
-
-
-def test_notes_of_limits_name_the_axes_that_touched_them(loaded):
-    run = loaded.run(np.zeros_like(loaded.reference))
-    hit = (("torque", 2, 0.1), ("torque", 6, 0.3), ("joint", 1, 0.2))
-    texts = [note.text for note in saturation(replace(run, limits_hit=hit))]
-    assert texts == [
-        "drives saturate: torque limit of axis 2, 6",
-        "hard stop of axis 1 is reached",
-    ]

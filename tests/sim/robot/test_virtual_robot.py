@@ -19,18 +19,13 @@ from armside.sim.robot.virtual_robot import VirtualRobot
 
 
 @pytest.fixture(scope="module")
-def model():
-    return load_model(assets.LARGE_ROBOT_XML)
+def cut(design):
+    return Cut(pose="p2").planned(Statics(design))
 
 
 @pytest.fixture(scope="module")
-def cut(model):
-    return Cut(pose="p2").planned(Statics(model))
-
-
-@pytest.fixture(scope="module")
-def loaded(model, cut):
-    return VirtualRobot(model).load(cut[1])
+def loaded(design, cut):
+    return VirtualRobot(design).load(cut[1])
 
 
 @pytest.fixture(scope="module")
@@ -40,13 +35,13 @@ def correction(cut):
     return 1e-3 * np.sin(2 * np.pi * (2 + np.arange(6)) * t) * np.sin(np.pi * t) ** 2
 
 
-def _ideal_encoder(model):
-    return replace(model, drives=replace(model.drives, encoder_counts=0.0))
+def _ideal_encoder(design):
+    return replace(design, drives=replace(design.drives, encoder_counts=0.0))
 
 
-def test_a_robot_at_a_constant_reference_rests(model, cut):
+def test_a_robot_at_a_constant_reference_rests(design, cut):
     still = np.repeat(cut[1][:1], 120, axis=0)
-    recording = VirtualRobot(model).load(still).run()
+    recording = VirtualRobot(design).load(still).run()
     moved = recording.truth.tool_position - recording.truth.tool_position[0]
     assert np.abs(moved).max() < 1e-7  # equilibrium is found to 1e-13 rad at each spring
 
@@ -87,11 +82,11 @@ def test_the_number_of_threads_changes_no_bit(loaded, correction):
 
 
 @pytest.mark.parametrize("pose", ["p1", "p2", "p3"])
-def test_halving_the_step_moves_the_tool_by_ten_micrometres_at_most(model, pose):
+def test_halving_the_step_moves_the_tool_by_ten_micrometres_at_most(design, pose):
     """Without and with the correction that learning found, gear effects on, noise and quantisation
     off."""
-    correction = learned(model, available(model), pose, iterations=5)["correction"]
-    reference = prepare(Cut(pose=pose), nominal=model).loaded.reference
+    correction = learned(design, available(design), pose, iterations=5)["correction"]
+    reference = prepare(Cut(pose=pose), nominal=design).loaded.reference
     tools = []
     for step in (0.0005, 0.00025):
         mj = mujoco.MjModel.from_xml_path(str(assets.LARGE_ROBOT_XML))
@@ -104,35 +99,35 @@ def test_halving_the_step_moves_the_tool_by_ten_micrometres_at_most(model, pose)
     assert np.linalg.norm(tools[0] - tools[1], axis=2).max() < 10e-6
 
 
-def test_log_is_the_truth_counted_by_the_encoder(loaded, model):
+def test_log_is_the_truth_counted_by_the_encoder(loaded, design):
     recording = loaded.run()
     true = recording.truth.motor_angle[:: loaded.ratio]
-    count = 2 * np.pi / 16384 / model.drives.gear
+    count = 2 * np.pi / 16384 / design.drives.gear
     assert np.abs(recording.motor_angle - true).max() <= 0.5 * count.max() * (1 + 1e-9)
     turns = recording.motor_angle / count
     assert np.abs(turns - np.rint(turns)).max() < 1e-6
 
 
-def test_rows_of_the_truth_belong_to_one_instant(loaded, model):
+def test_rows_of_the_truth_belong_to_one_instant(loaded, design):
     """Sensors and states of a step are half a step apart in a rollout; the record aligns them."""
     truth = loaded.run().truth
-    data = mujoco.MjData(model.mj)
+    data = mujoco.MjData(design.mj)
     for i in (0, 777, len(truth.time) - 1):
         data.qpos[:] = truth.qpos[i]
-        mujoco.mj_kinematics(model.mj, data)
+        mujoco.mj_kinematics(design.mj, data)
         assert data.site("tool0").xpos == pytest.approx(truth.tool_position[i], abs=1e-14)
 
 
-def test_accelerometer_is_the_second_difference_of_its_position(loaded, model):
+def test_accelerometer_is_the_second_difference_of_its_position(loaded, design):
     truth = loaded.run().truth
-    data, site = mujoco.MjData(model.mj), model.mj.site("imu").id
+    data, site = mujoco.MjData(design.mj), design.mj.site("imu").id
     position, R = [], []
     for q in truth.qpos:
         data.qpos[:] = q
-        mujoco.mj_kinematics(model.mj, data)
+        mujoco.mj_kinematics(design.mj, data)
         position.append(data.site_xpos[site].copy())
         R.append(data.site_xmat[site].reshape(3, 3).copy())
-    step = model.timestep
+    step = design.timestep
     acceleration = np.diff(position, n=2, axis=0) / step**2
     specific = np.einsum("nij,nj->ni", np.array(R)[1:-1], truth.imu_acceleration[1:-1])
     difference = specific - np.array([0, 0, 9.82]) - acceleration
@@ -150,8 +145,8 @@ def test_a_constant_correction_moves_the_motors_by_itself(loaded):
     assert moved[-1] == pytest.approx(np.full(6, shift), abs=0.5e-3)
 
 
-def test_more_friction_makes_a_larger_first_error(model, cut, loaded):
-    rough = VirtualRobot(with_friction(model, 1.5)).load(cut[1])
+def test_more_friction_makes_a_larger_first_error(design, cut, loaded):
+    rough = VirtualRobot(with_friction(design, 1.5)).load(cut[1])
     assert (np.abs(rough.run().error).max(axis=0) > np.abs(loaded.run().error).max(axis=0)).all()
 
 
@@ -163,26 +158,18 @@ def test_more_friction_makes_a_larger_first_error(model, cut, loaded):
         (np.zeros(6), "shape"),
     ],
 )
-def test_invalid_references_are_refused(model, values, message):
+def test_invalid_references_and_corrections_are_refused(design, loaded, values, message):
     with pytest.raises(ValueError, match=message):
-        VirtualRobot(model).load(values)
+        VirtualRobot(design).load(values)
+    with pytest.raises(ValueError, match="samples|" + message):
+        loaded.run(values)
 
 
-def test_a_correction_of_another_length_is_refused(loaded):
-    with pytest.raises(ValueError, match="samples"):
-        loaded.run(np.zeros((10, 6)))
-
-
-def test_a_model_without_a_named_joint_is_refused_by_name(tmp_path):
-    text = assets.LARGE_ROBOT_XML.read_text().replace("motor_4", "engine_4")
-    (tmp_path / "robot.xml").write_text(text)
-    with pytest.raises(ModelError, match="motor_4"):
-        load_model(tmp_path / "robot.xml")
-
-
-def test_a_file_that_is_no_model_is_refused(tmp_path):
-    (tmp_path / "robot.xml").write_text("<mujoco><nonsense/></mujoco>")
-    with pytest.raises(ModelError, match="not a usable MJCF"):
-        load_model(tmp_path / "robot.xml")
+def test_a_file_that_is_no_robot_is_refused(tmp_path):
+    other = assets.LARGE_ROBOT_XML.read_text().replace("motor_4", "engine_4")
+    for text, said in (("<mujoco><nonsense/></mujoco>", "not a usable MJCF"), (other, "motor_4")):
+        (tmp_path / "robot.xml").write_text(text)
+        with pytest.raises(ModelError, match=said):
+            load_model(tmp_path / "robot.xml")
     with pytest.raises(ModelError):
         load_model(tmp_path / "absent.xml")

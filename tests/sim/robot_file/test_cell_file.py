@@ -33,9 +33,8 @@ def test_the_file_of_a_robot_of_the_thesis_is_its_cell(name):
         assert pose.position == cell.poses[key].position
         assert pose.quaternion == pytest.approx(cell.poses[key].quaternion, abs=ROUNDING)
     for field in ("lower", "upper", "speed"):
-        assert getattr(read.limits, field) == pytest.approx(
-            getattr(cell.limits, field), abs=ROUNDING
-        )
+        own = getattr(cell.limits, field)
+        assert getattr(read.limits, field) == pytest.approx(own, abs=ROUNDING)
     assert read.limits.coupled == cell.limits.coupled
 
 
@@ -148,94 +147,70 @@ def changed(folder, old, new):
 
 TEXT = assets.LARGE_ROBOT_XML.with_name("scara.toml").read_text(encoding="utf-8")
 BODY = "[[body]]\nmass = 1\ncentre = [0, 0, 0]\ninertia = [1, 1, 1]\n"
+HINGE = '[[structure]]\nname = "a"\nlink = {}\ndirection = [{}, 0, 0]\nstiffness = 1e5\n'
+DOWN, SIX = "quaternion = [0, 1, 0, 0]", "inertia = [0.001, 0.001, 0.001]"
 
-WRONG = {
-    "mass zero": ("mass = 20", "mass = 0", "hardware: mass must be a finite number > 0 kg, got 0"),
-    "mass of a planet": (
-        "mass = 20",
-        "mass = 1e300",
-        r"hardware: mass must .* and <= 1e\+12 kg, g",
-    ),
-    "unknown key": ("[drives]", "[drives]\ngear = 3", "drives has the unknown key 'gear'; keys: g"),
-    "unknown table": ("[drives]", "[drive]", "the file has the unknown key 'drive'; keys: name,"),
-    "number of gears": ("[50, 50,", "[50,", "drives: gear_ratio must have 4 numbers or one numb"),
-    "text": ("[50, 50,", '["high", 50,', "drives: gear_ratio must be a number or text such as"),
-    "limits swapped": (
-        "lower = [-2.2,",
-        "lower = [2.3,",
-        "limits: lower must be below upper, got 2.3 and",
-    ),
-    "inertia": (
-        "inertia = [0.001, 0.001, 0.001]",
-        "inertia = [0.001, 0.001, 0.01]",
+
+def more(text):
+    """Further tables in a file, before that of the tool."""
+    return "[tool]", f"{text}\n[tool]"
+
+
+WRONG = [
+    ("mass = 20", "mass = 0", "hardware: mass must be a finite number > 0 kg, got 0"),
+    ("mass = 20", "mass = 1e300", r"hardware: mass must .* and <= 1e\+12 kg, g"),
+    ("[drives]", "[drives]\ngear = 3", "drives has the unknown key 'gear'; keys: g"),
+    ("[drives]", "[drive]", "the file has the unknown key 'drive'; keys: name,"),
+    ("[50, 50,", "[50,", "drives: gear_ratio must have 4 numbers or one numb"),
+    ("[50, 50,", '["high", 50,', "drives: gear_ratio must be a number or text such as"),
+    ("lower = [-2.2,", "lower = [2.3,", "limits: lower must be below upper, got 2.3 and"),
+    (
+        *(SIX, "inertia = [0.001, 0.001, 0.01]"),
         "tool: inertia must have principal moments above 0 of which none exceeds the sum of the ",
     ),
-    "inertia zero": ("[0.001, 0.001,", "[0, 0.001,", "tool: inertia must have principal moments"),
-    "size of inertia": ("[0.001, 0.001, 0.001]", "[0.001]", "tool: inertia must be 3 or 6 numbers"),
-    "centre": ("centre = [0, 0, 0.03]", "centre = [0, 0]", "tool: centre must be a list of 3 num"),
-    "bodies": ("[drives]", BODY + "[drives]", "body must be 4 tables, one for each moving link, g"),
-    "two springs": (
-        "[tool]",
-        "[gears]\nstiffness = 3\nfrequency = 10\n[tool]",
+    (SIX, "inertia = [0, 0.001, 0.001]", "tool: inertia must have principal moments"),
+    (SIX, "inertia = [0.001]", "tool: inertia must be 3 or 6 numbers"),
+    ("centre = [0, 0, 0.03]", "centre = [0, 0]", "tool: centre must be a list of 3 num"),
+    ("[drives]", BODY + "[drives]", "body must be 4 tables, one for each moving link, g"),
+    (
+        *more("[gears]\nstiffness = 3\nfrequency = 10"),
         "gears: give stiffness or frequency, not both",
     ),
-    "friction": (
-        "[drives]",
-        "[drives]\nstatic_friction = 1\ncoulomb_friction = 2",
+    (
+        *("[drives]", "[drives]\nstatic_friction = 1\ncoulomb_friction = 2"),
         "drives: static_friction must be >= coulomb_friction, got 1 and 2 N m on axis 1",
     ),
-    "hinge": ("[tool]", '[[structure]]\nname = "a"\n[tool]', "structure 1 lacks link, direction,"),
-    "link of a hinge": (
-        "[tool]",
-        '[[structure]]\nname = "a"\nlink = 5\ndirection = [1, 0, 0]\nstiffness = 1e5\n[tool]',
-        r"structure 1: link must be 0 \(base\) to 4, got 5",
-    ),
-    "direction": (
-        "[tool]",
-        '[[structure]]\nname = "a"\nlink = 1\ndirection = [0, 0, 0]\nstiffness = 1e5\n[tool]',
-        "structure 1: direction must not be zero",
-    ),
-    "lost motion": (
-        "[tool]",
-        "[gears]\nrigid = true\n[effects]\nlost_motion = 1e-5\n[tool]",
+    (*more('[[structure]]\nname = "a"'), "structure 1 lacks link, direction,"),
+    (*more(HINGE.format(5, 1)), r"structure 1: link must be 0 \(base\) to 4, got 5"),
+    (*more(HINGE.format(1, 0)), "structure 1: direction must not be zero"),
+    (
+        *more("[gears]\nrigid = true\n[effects]\nlost_motion = 1e-5"),
         "effects: lost_motion needs gears with springs",
     ),
-    "ripple": ("[tool]", "[effects]\ntorque_ripple = 1\n[tool]", "effects: torque_ripple must h"),
-    "temperature": (
-        "[tool]",
-        "[effects]\ngear_temperature = 20\n[tool]",
+    (*more("[effects]\ntorque_ripple = 1"), "effects: torque_ripple must h"),
+    (
+        *more("[effects]\ngear_temperature = 20"),
         "effects: gear_temperature must be a finite number >= 26 and <= 80 deg C, got 20",
     ),
-    "no lost motion": (
-        "[tool]",
-        "[effects]\nsoft_stiffness = 1e4\n[tool]",
-        "effects: soft_stiffness needs lost_motion",
-    ),
-    "speed": ("speed = [7,", "speed = [0,", "limits: speed must be > 0, got 0 on axis 1"),
-    "both": ('name = "SCARA"', 'name = "SCARA"\nmodel = "a.xml"', "model has the hardware: leave"),
-    "left-handed": (
-        "quaternion = [0, 1, 0, 0]",
-        "rotation = [[1, 0, 0], [0, 1, 0], [0, 0, -1]]",
+    (*more("[effects]\nsoft_stiffness = 1e4"), "effects: soft_stiffness needs lost_motion"),
+    ("speed = [7,", "speed = [0,", "limits: speed must be > 0, got 0 on axis 1"),
+    ('name = "SCARA"', 'name = "SCARA"\nmodel = "a.xml"', "model has the hardware: leave"),
+    (
+        *(DOWN, "rotation = [[1, 0, 0], [0, 1, 0], [0, 0, -1]]"),
         "pose p3: rotation must be right-handed, got a reflection",
     ),
-    "skewed": (
-        "quaternion = [0, 1, 0, 0]",
-        "rotation = [[1, 0, 0], [0, 1, 0], [0, 0.1, 1]]",
+    (
+        *(DOWN, "rotation = [[1, 0, 0], [0, 1, 0], [0, 0.1, 1]]"),
         "pose p3: rotation must have columns of length 1 at right angles",
     ),
-    "shape of a rotation": (
-        "quaternion = [0, 1, 0, 0]",
-        "rotation = [[1, 0], [0, 1]]",
-        "pose p3: rotation must be 3 rows of 3 numbers",
-    ),
-    "no pose": (r"[pose.p1]", "[other.p1]", "the file has the unknown key 'other'"),
-    "no links": ("[[link]]", "[[links]]", "the file has the unknown key 'links'; keys: name,"),
-}
+    (DOWN, "rotation = [[1, 0], [0, 1]]", "pose p3: rotation must be 3 rows of 3 numbers"),
+    ("[pose.p1]", "[other.p1]", "the file has the unknown key 'other'"),
+    ("[[link]]", "[[links]]", "the file has the unknown key 'links'; keys: name,"),
+]
 
 
-@pytest.mark.parametrize("wrong", WRONG)
-def test_wrong_hardware_is_refused_in_one_line(tmp_path, wrong):
-    old, new, said = WRONG[wrong]
+@pytest.mark.parametrize(("old", "new", "said"), WRONG)
+def test_wrong_hardware_is_refused_in_one_line(tmp_path, old, new, said):
     assert old in TEXT
     file = tmp_path / "robot.toml"
     file.write_text(TEXT.replace(old, new), encoding="utf-8")

@@ -18,40 +18,30 @@ from armside.sim.robot_file.find import load_robot, read_cell
 
 FOLDER = assets.LARGE_ROBOT_XML.parent
 SCARA, LARGE = FOLDER / "scara.toml", FOLDER / "large_robot.toml"
-DRIVES = "[drives]\nrotor_inertia = "
 
-OTHER_UNITS = {
-    "alpha in degrees": (
-        r'alpha = "pi"',
-        "alpha = 90",
+OTHER_UNITS = [
+    (
+        *(r'alpha = "pi"', "alpha = 90"),
         "link 2: alpha must be at most 6.283 rad, got 90; looks like degrees: 1.571 rad",
     ),
-    "limits in degrees": (
-        r"lower = \[-2.2",
-        "lower = [-160",
+    (
+        *(r"lower = \[-2.2", "lower = [-160"),
         "limits: lower of axis 1 must be at most 18.85 rad, got -160; looks like degrees: -2.793",
     ),
-    "slide in millimetres": (
-        r"upper = \[2.2, 2.5, 0.2",
-        "upper = [2.2, 2.5, 200",
+    (
+        *(r"upper = \[2.2, 2.5, 0.2", "upper = [2.2, 2.5, 200"),
         "limits: upper of axis 3 must be at most 20 m, got 200; looks like millimetres: 0.2 m",
     ),
-    "length in millimetres": (
-        "a = 0.325",
-        "a = 325",
-        "link 1: a must be at most 20 m, got 325; lo",
-    ),
-    "offset in degrees": (
-        r"\A",
-        "offset = [0, -90, 0, 0]\n",
+    ("a = 0.325", "a = 325", "link 1: a must be at most 20 m, got 325; lo"),
+    (
+        *(r"\A", "offset = [0, -90, 0, 0]\n"),
         "offset of axis 2 must be at most 6.283 rad, got -90; looks like degrees: -1.571 rad",
     ),
-    "rotor inertia in g cm^2": (
-        r"\[drives\]\n",
-        DRIVES + "2000\n",
+    (
+        *(r"\[drives\]\n", "[drives]\nrotor_inertia = 2000\n"),
         "drives: rotor_inertia must be at most 1 kg m^2, got 2000; looks like g cm^2: 0.0002",
     ),
-}
+]
 
 
 def changed(folder, old, new, source=SCARA):
@@ -62,9 +52,8 @@ def changed(folder, old, new, source=SCARA):
     return file
 
 
-@pytest.mark.parametrize("name", OTHER_UNITS)
-def test_a_number_in_another_unit_is_refused_with_what_it_would_be(name, tmp_path):
-    old, new, said = OTHER_UNITS[name]
+@pytest.mark.parametrize(("old", "new", "said"), OTHER_UNITS)
+def test_a_number_in_another_unit_is_refused_with_what_it_would_be(old, new, said, tmp_path):
     with pytest.raises(ValueError, match=f"^robot.toml: {re.escape(said)}"):
         read_cell(changed(tmp_path, old, new))
 
@@ -115,10 +104,8 @@ def test_limits_beside_a_urdf_stand_in_place_of_its_own(tmp_path):
     arm = load_robot(str(SCARA)).arm
     (tmp_path / "arm.urdf").write_text(urdf(*arm), encoding="utf-8")
     (tmp_path / "robot.toml").write_text('urdf = "arm.urdf"\nlimits.speed = [1, 2, 3, 4]\n')
-    for limits in (
-        read_robot(tmp_path / "robot.toml").limits,
-        read_cell(tmp_path / "robot.toml").limits,
-    ):
+    file = tmp_path / "robot.toml"
+    for limits in (read_robot(file).limits, read_cell(file).limits):
         assert limits.speed == (1.0, 2.0, 3.0, 4.0)
         assert limits.lower == pytest.approx(arm.limits.lower)
 
@@ -145,21 +132,17 @@ def test_an_inertia_that_rounding_spoiled_is_refused_with_the_nearest(tmp_path):
     assert read_cell(changed(tmp_path, spoiled, f"inertia = {nearest}")).robot.n_joints == 4
 
 
-MARKED = {
-    "robot": (read_robot, robot_toml(*load_robot(str(SCARA)).arm)),
-    "cell": (read_cell, SCARA.read_text(encoding="utf-8")),
-    "contour": (read_contour, "points = [[0, 0], [9, 0], [0, 9]]\n"),
-    "individual": (read_individual, "\n"),
-    "program": (read_program, next((FOLDER / "programs").glob("*.toml")).read_text("utf-8")),
-    "form of a log": (
-        read_columns,
-        'time = "t"\ntime_unit = "s"\nmotor_angle = "q{}"\nangle_unit = "rad"',
-    ),
-}
+MARKED = [
+    (read_robot, robot_toml(*load_robot(str(SCARA)).arm)),
+    (read_cell, SCARA.read_text(encoding="utf-8")),
+    (read_contour, "points = [[0, 0], [9, 0], [0, 9]]\n"),
+    (read_individual, "\n"),
+    (read_program, next((FOLDER / "programs").glob("*.toml")).read_text("utf-8")),
+    (read_columns, 'time = "t"\ntime_unit = "s"\nmotor_angle = "q{}"\nangle_unit = "rad"'),
+]
 
 
-@pytest.mark.parametrize("name", MARKED)
-def test_a_byte_order_mark_is_no_part_of_a_file(name, tmp_path):
-    read, text = MARKED[name]
+@pytest.mark.parametrize(("read", "text"), MARKED)
+def test_a_byte_order_mark_is_no_part_of_a_file(read, text, tmp_path):
     (file := tmp_path / "file.toml").write_bytes(codecs.BOM_UTF8 + text.encode())
     read(file)
