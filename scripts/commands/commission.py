@@ -114,10 +114,8 @@ def _planned(number: int, gain: float) -> list[Any]:
 
 
 def _names(cfg: CommissionCfg) -> list[str]:
-    """Names of the cuts to identify from.
-
-    Raises ValueError for one to leave out that is not, and for one that is given twice.
-    """
+    """Names of the cuts to identify from. Raises ValueError for one to leave out that is not, and
+    for one that is given twice."""
     names = list(named(cfg.recordings)) or [f"cut-{i + 1}" for i in range(cfg.cuts)]
     if unknown := [name for name in cfg.leave_out if name not in names]:
         raise ValueError(f"there is no cut {unknown[0]!r} to leave out. Cuts: {', '.join(names)}")
@@ -127,10 +125,8 @@ def _names(cfg: CommissionCfg) -> list[str]:
 
 
 def named(recordings: Sequence[Path]) -> dict[str, Path]:
-    """Recordings by name: that of the file, or the path as given where several have it.
-
-    Raises ValueError for a recording that is given twice.
-    """
+    """Recordings by name: that of the file, or the path as given where several have it. Raises
+    ValueError for one that is given twice."""
     paths = [str(path) for path in recordings]
     if twice := [path for path in paths if paths.count(path) > 1]:
         raise ValueError(f"the recording {twice[0]} is given twice")

@@ -27,7 +27,9 @@ def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
     Writes convergence.png, eigenloci of coupled models, a correction a law as CSV, reference.csv,
     state.npz (for --from) and summary.json.
     """
+    from armside.ilc.workbench.compare import setting_of
     from armside.ilc.workbench.own import OwnCodeError
+    from armside.ilc.workbench.predicted import predicted_loci
     from armside.sim.controller.gate import GateError
 
     from ..workbench.plant_option import is_folder, named_task
@@ -46,19 +48,11 @@ def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
             with checking_input():
                 _check_laws(cfg, task, before)
             runs = _runs(cfg, common, task, before, report)
-            record = (task.reference, task.sample_time)
-            loci = _loci(cfg, task)
+            record, setting = (task.reference, task.sample_time), setting_of(task)
+            loci = {law: each for law in cfg.laws if (each := predicted_loci(law, setting))}
     except (OwnCodeError, GateError) as error:
         raise RunFailed(str(error)) from error
     _finish(cfg, common, report, runs, record, before, loci)
-
-
-def _loci(cfg: LearnCfg, task: "Task") -> "dict[str, Eigenloci]":
-    from armside.ilc.workbench.compare import setting_of
-    from armside.ilc.workbench.predicted import predicted_loci
-
-    found = {law: predicted_loci(law, setting_of(task)) for law in cfg.laws}
-    return {law: each for law, each in found.items() if each is not None}
 
 
 def _check_laws(cfg: LearnCfg, task: "Task", before: Starts | None) -> None:

@@ -11,7 +11,7 @@ from armside.sim.records.atomic import write_whole
 from armside.sim.records.run_folder import RUNS
 from armside.sim.records.summary import dumps, summary
 
-from ..jobs.store import Store, missing, run_batch
+from ..jobs.store import Store, digest, missing, run_batch
 from ..jobs.workers import Workers
 from ..shell.console import Report
 from ..shell.errors import InputError, checking_input
@@ -112,7 +112,7 @@ def reproduce(
     store = Store(folder.results)
     wanted = [job for part in parts.values() for job in part.jobs]
     jobs = missing(wanted, store)
-    n_known = len({store.file(job) for job in wanted}) - len(jobs)
+    n_known = len(set(map(digest, wanted))) - len(jobs)
     config = summary("reproduce", {"ids": list(parts)} | _changed(cfg), common)["config"]
     versions = {program: str(number) for program, number in config["versions"].items()}
     folder.begin(config)

@@ -111,8 +111,7 @@ def _content_of_robot(cfg: LaserCfg, content: Content) -> str:
 
 class _Known(NamedTuple):
     cfg: LaserCfg | None
-    identity: dict[str, Any]
-    """See `identity`; the options themselves if they are refused."""
+    identity: dict[str, Any]  # the options themselves if they are refused
     error: str
 
 
@@ -136,27 +135,22 @@ class Resolver:
         """Why options cannot be run, as far as is known before the robot moves; empty if they can
         be."""
         known = self._known(tuple(options.items()))
-        if known.cfg is not None:
-            try:
-                asked = cut(known.cfg)
-                if wrong := self._wrong_geometry(known.cfg):
-                    return wrong
-                if known.cfg.twin is not None:
-                    from armside.sim.twin.twin import stored_twin
+        if (cfg := known.cfg) is None:
+            return known.error
+        try:
+            asked, content = cut(cfg), _content_of_robot(cfg, self._content)
+            if cfg.model is not None:
+                content += self._content("model", cfg.model)
+            source = cfg.model or cfg.cell.xml
+            if content and (wrong := _geometry_error(cfg.robot, source, content)):
+                return wrong
+            if cfg.twin is not None:
+                from armside.sim.twin.twin import stored_twin
 
-                    stored_twin(known.cfg.twin).check(asked)
-            except (ValueError, OSError) as error:
-                return one_line(error)
+                stored_twin(cfg.twin).check(asked)
+        except (ValueError, OSError) as error:
+            return one_line(error)
         return known.error
-
-    def _wrong_geometry(self, cfg: LaserCfg) -> str:
-        """Why the model is not that of the robot; empty if it is."""
-        content = _content_of_robot(cfg, self._content)
-        if cfg.model is not None:
-            content += self._content("model", cfg.model)
-        if not content:
-            return ""
-        return _geometry_error(cfg.robot, cfg.model or cfg.cell.xml, content)
 
     def _resolve(self, items: tuple[tuple[str, Any], ...]) -> _Known:
         options, cfg = dict(items), None
@@ -211,19 +205,15 @@ def digest_of_file(file: Path) -> str:
 
 def model_content(file: Path) -> str:
     """Hash of an MJCF and of the files that it includes. Raises InputError for one that is none."""
-    check_file(file)
     try:
-        parts = mujoco.mju_getXMLDependencies(str(file))
+        parts = mujoco.mju_getXMLDependencies(str(check_file(file)))
     except mujoco.FatalError as error:
         raise InputError(f"{file} is not a usable MJCF model: {error}") from error
     return _together([digest_of_file(file), *sorted(digest_of_file(Path(part)) for part in parts)])
 
 
 def robot_content(file: str | Path) -> str:
-    """Hash of a robot file, and of the MJCF and URDF that it names.
-
-    Raises ValueError or OSError for a file that is none, or names none.
-    """
+    """Hash of a robot file, and of the MJCF and URDF that it names. Raises ValueError, OSError."""
     file = Path(file)
     xml, urdf = read_cell(file).xml, read_toml(file, lambda data: data.get("urdf"))
     parts = [digest_of_file(file), model_content(xml)]

@@ -103,13 +103,24 @@ class Report:
         self.line(f"Results in {path}")
         self.summary(summary)
 
-    def texts(self, files: Mapping[str, str], summary: dict[str, Any]) -> None:
-        """Write texts by the names of their files beside the summary, and name them."""
+    def kept(self, summary: dict[str, Any], *texts: object) -> None:
+        """The end of a command that writes no other files: lines, and the summary into `--out` and
+        for `--json`, where they are given."""
+        if self.common.out is not None:
+            with run_folder(summary, self.common):
+                pass
+        self.lines(texts)
+        self.summary(summary)
+
+    def texts(self, files: Mapping[str, str], summary: dict[str, Any], *more: str) -> None:
+        """Write texts by the names of their files beside the summary, and name them: the end of a
+        command."""
         with run_folder(summary, self.common) as folder:
             for name, text in files.items():
                 (folder / name).parent.mkdir(exist_ok=True)
                 (folder / name).write_text(text, encoding="utf-8")
-        self.lines(folder.path / name for name in files)
+        self.lines([*(folder.path / name for name in files), *more])
+        self.summary(summary)
 
     def line(self, text: str) -> None:
         """One line on stdout."""
@@ -133,13 +144,6 @@ def run_folder(summary: dict[str, Any], common: Common) -> Iterator[RunFolder]:
     with RunFolder(name, seed=common.seed, out=common.out) as folder:
         (folder / "summary.json").write_text(dumps(summary), encoding="utf-8")
         yield folder
-
-
-def keep(summary: dict[str, Any], common: Common) -> None:
-    """Write a summary into the folder `--out`, for commands that write no other files."""
-    if common.out is not None:
-        with run_folder(summary, common):
-            pass
 
 
 def cell(value: Any) -> str:

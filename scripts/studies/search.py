@@ -106,13 +106,11 @@ def search(
     step: Callable[[], None],
     new_best: Callable[["optuna.trial.FrozenTrial"], None],
 ) -> None:
-    """Evaluate designs until the study has `n_trials` finished trials, other processes' included.
+    """Evaluate designs, those of the parameters `first` before others, until the study has
+    `n_trials` finished trials, other processes' included.
 
-    Args:
-        first: parameters of the designs that are tried first.
-        check: called between trials; what it raises ends the search.
-        step: called for each finished trial.
-        new_best: called with each trial that is better than all before.
+    check: called between trials; what it raises ends the search. step: called for each finished
+    trial. new_best: called with each that is better than all before.
     """
     done, best = 0, min((t.value for t in studies.outcomes(study) if t.complete), default=WORST)
     if len(studies.finished(study)) < n_trials:

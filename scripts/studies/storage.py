@@ -53,6 +53,9 @@ def reaching(storage: str) -> Iterator[None]:
 
     A long wait, as for a file that is locked, is announced on stderr.
     """
+    from optuna.exceptions import OptunaError
+    from sqlalchemy.exc import SQLAlchemyError
+
     waiting = f"armside: waiting for storage {redacted(storage)!r}"
     patience = threading.Timer(SLOW, lambda: print(waiting, file=sys.stderr))
     patience.daemon = True
@@ -62,8 +65,14 @@ def reaching(storage: str) -> Iterator[None]:
     except InputError:
         raise
     except ImportError as error:
-        raise InputError(_missing(storage, error)) from error
-    except _failures() as error:
+        # Optuna wraps the error that names the driver.
+        cause = error.__cause__ if isinstance(error.__cause__, ImportError) else error
+        missing = f"the database driver {cause.name}, which is not installed"
+        if storage.startswith("postgresql"):
+            missing += f"; {install('postgres')} brings that of postgresql+psycopg://"
+        raise InputError(f"storage {redacted(storage)!r} needs {missing}") from error
+    # RuntimeError: tables of another version of Optuna.
+    except (SQLAlchemyError, OptunaError, OSError, ValueError, RuntimeError) as error:
         reason = f"does not answer: {_reason(error)}"
         raise InputError(f"storage {redacted(storage)!r} {reason}") from error
     finally:
@@ -155,6 +164,7 @@ def fail_silent(study: "optuna.Study") -> None:
 
 def _options(storage: str) -> dict[str, Any]:
     """Keyword arguments of Optuna's storage for this kind of database."""
+    from optuna.storages import RetryHeartbeatStaleTrialCallback
     from sqlalchemy.engine import make_url
     from sqlalchemy.exc import ArgumentError
 
@@ -165,26 +175,24 @@ def _options(storage: str) -> dict[str, Any]:
         raise InputError(
             f"storage {redacted(storage)!r} is no SQLAlchemy URL, such as sqlite:///runs/x.sqlite3"
         ) from error
+    with _experiments_allowed():
+        again = RetryHeartbeatStaleTrialCallback(max_retry=RETRIES)
+    # Running trials give signs of life; one that stops to is failed, and queued again.
+    watched = {
+        "heartbeat_interval": HEARTBEAT,
+        "grace_period": SILENCE,
+        "heartbeat_stale_trial_callback": again,
+    }
     if url.get_backend_name() != "sqlite":
         limit = {"connect_timeout": CONNECT_TIMEOUT} if driver in HAVE_TIMEOUT else {}
-        return {"engine_kwargs": {"connect_args": limit, "pool_pre_ping": True}} | _watched()
+        return {"engine_kwargs": {"connect_args": limit, "pool_pre_ping": True}} | watched
     options: dict[str, Any] = {"engine_kwargs": {"connect_args": {"timeout": LOCK_TIMEOUT}}}
     if url.database in (None, "", ":memory:"):  # belongs to a single thread
         return options
     if "mode" in url.query and not url.database.startswith("file:"):
         as_uri = f"sqlite:///file:{url.database}?mode={url.query['mode']}&uri=true"
         raise InputError(f"?mode= is part of an SQLite URI: {as_uri}")
-    return options | _watched()
-
-
-def _watched() -> dict[str, Any]:
-    """Running trials give signs of life; one that stops to is failed, and queued again."""
-    from optuna.storages import RetryHeartbeatStaleTrialCallback
-
-    with _experiments_allowed():
-        again = RetryHeartbeatStaleTrialCallback(max_retry=RETRIES)
-    times = {"heartbeat_interval": HEARTBEAT, "grace_period": SILENCE}
-    return times | {"heartbeat_stale_trial_callback": again}
+    return options | watched
 
 
 def _file(storage: str) -> Path | None:
@@ -227,24 +235,6 @@ def _experiments_allowed() -> Iterator[None]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ExperimentalWarning)
         yield
-
-
-def _failures() -> tuple[type[Exception], ...]:
-    """Exceptions of a storage that is not what its URL says."""
-    from optuna.exceptions import OptunaError
-    from sqlalchemy.exc import SQLAlchemyError
-
-    # RuntimeError: tables of another version of Optuna.
-    return SQLAlchemyError, OptunaError, OSError, ValueError, RuntimeError
-
-
-def _missing(storage: str, error: ImportError) -> str:
-    """Message that names the driver to install. Optuna wraps the error that names it."""
-    cause = error.__cause__ if isinstance(error.__cause__, ImportError) else error
-    missing = f"the database driver {cause.name}, which is not installed"
-    if storage.startswith("postgresql"):
-        missing += f"; {install('postgres')} brings that of postgresql+psycopg://"
-    return f"storage {redacted(storage)!r} needs {missing}"
 
 
 def _reason(error: BaseException) -> str:

@@ -24,10 +24,9 @@ SHUFFLES = 19
 
 
 class Importance(NamedTuple):
-    """Importance of one parameter."""
+    """Fraction of the importance of all parameters for being among the best tenth of the trials."""
 
     share: float
-    """Fraction of the importance of all parameters for being among the best tenth of the trials."""
     by_chance: float
     """The largest in random orders of the trials, on the same scale: a fraction that is not above
     it is not significant."""

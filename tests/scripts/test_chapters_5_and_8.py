@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from armside.scripts.figures import two_mass as two_mass_figures
-from armside.scripts.jobs.store import Store
+from armside.scripts.jobs.store import Store, digest
 from armside.scripts.thesis import chapter5, chapter8, imu_checks
 from armside.scripts.thesis.imu_job import ImuJob, RestJob
 from armside.scripts.thesis.report import Asked
@@ -31,8 +31,8 @@ def read(folder):
     store = Store(folder / "results")
 
     def result(job):
-        if not store.holds(job):
-            store.save(job, job.run())
+        if store.status(digest(job)) is None:
+            store.keep(digest(job), job, job.run())
         return store.load(job)
 
     return result

@@ -17,7 +17,7 @@ import pytest
 from armside.scripts.commands import reproduce
 from armside.scripts.jobs import store as store_module
 from armside.scripts.jobs.grid import Point
-from armside.scripts.jobs.store import Store, code_fingerprint
+from armside.scripts.jobs.store import Store, code_fingerprint, digest
 from armside.scripts.shell.console import Report
 from armside.scripts.shell.errors import InputError
 from armside.scripts.shell.options import Common
@@ -326,9 +326,9 @@ def test_a_result_is_found_by_configuration(tmp_path, monkeypatch):
 
     store = Store(tmp_path / "results")
     job, other = ProbeJob("a", "log"), ProbeJob("b", "log")
-    store.save(job, {"value": np.arange(3.0)})
-    assert store.holds(job)
-    assert not store.holds(other)
+    store.keep(digest(job), job, {"value": np.arange(3.0)})
+    assert store.status(digest(job)) == "done"
+    assert store.status(digest(other)) is None
     assert np.array_equal(store.load(job)["value"], np.arange(3.0))
 
 
@@ -343,13 +343,13 @@ def test_a_changed_constant_in_any_package_makes_the_store_ask_again(tmp_path, m
     store, job = Store(tmp_path / "results"), ProbeJob("a", "log")
     for package in store_module.PACKAGES:
         code_fingerprint.cache_clear()
-        store.save(job, {"value": np.ones(1)})
+        store.keep(digest(job), job, {"value": np.ones(1)})
         row = Point("0" * 16, {}, 0).failed(ValueError())
-        assert store.holds(job)
+        assert store.status(digest(job)) == "done"
         with sorted((tmp_path / package).rglob("*.py"))[-1].open("a") as module:
             module.write("CONSTANT = 2\n")
         code_fingerprint.cache_clear()
-        assert not store.holds(job), package
+        assert store.status(digest(job)) is None, package
         assert Point("0" * 16, {}, 0).failed(ValueError())["code"] != row["code"], package
     code_fingerprint.cache_clear()
 

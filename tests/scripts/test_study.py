@@ -47,6 +47,13 @@ def test_a_design_that_learns_slowly_is_not_given_up_early(tmp_path):
     assert given_up == [False, False, True, True, True]
 
 
+def test_a_sampler_is_the_one_that_is_named():
+    for name, kind in (("random", "Random"), ("cmaes", "CmaEs"), ("tpe", "TPE")):
+        study = optuna.create_study(sampler=studies.new_sampler(name, 0))
+        study.ask()
+        assert type(study.sampler._of_trial) is getattr(optuna.samplers, f"{kind}Sampler")
+
+
 def test_a_design_that_was_given_up_is_never_the_best():
     ends = {0.5: None, 0.1: optuna.trial.TrialState.PRUNED, 0.4: None}
     study = optuna.create_study()

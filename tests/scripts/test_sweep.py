@@ -172,7 +172,7 @@ def test_who_can_only_wait_for_others_says_so_once(tmp_path, armside, monkeypatc
     def sleep(_):
         looks.append(None)
         if len(looks) == 3:
-            theirs.close()
+            theirs.drop()
 
     monkeypatch.setattr("armside.scripts.jobs.queue.time.sleep", sleep)
     status, _, err = armside("sweep delta=1:4 --into there")
