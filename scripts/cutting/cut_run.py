@@ -63,16 +63,13 @@ class Ready:
         if self.earlier is not None:
             entry = self.earlier.entry
             if self.earlier.changed:
-                entry["uncorrected"] = iteration_row(self.uncorrected())
+                fresh = prepare(self.experiment.cut, seed=self.experiment.seed)
+                first = next(iterate(fresh, self.measure.prepare(fresh), 0))
+                entry["uncorrected"] = iteration_row(first)
             return {"started_from": entry}, []
         if self.by_twin is not None:
             return {"predicted": self.by_twin.predicted}, self.by_twin.notes
         return {}, []
-
-    def uncorrected(self) -> Iteration:
-        """The first run without correction."""
-        fresh = prepare(self.experiment.cut, seed=self.experiment.seed)
-        return next(iterate(fresh, self.measure.prepare(fresh), 0))
 
     def show(self, report: Report, outcome: Mapping[str, Any]) -> None:
         """Print what it started from."""

@@ -9,7 +9,7 @@ import pytest
 from armside import assets
 from armside.scripts.cli import main
 from armside.scripts.cutting.comparison import CompareCfg, cases_of, starts_of
-from armside.scripts.cutting.earlier import earlier
+from armside.scripts.cutting.earlier import started as start_from
 from armside.scripts.shell.options import Common
 from armside.sim.records.files import InputError
 
@@ -63,7 +63,7 @@ def test_the_estimate_is_that_of_laser_for_the_same_cut_robot_and_seed(first, tm
 
 def started(first, robot=ROBOT, **options):
     cfg = CompareCfg(robot=robot, poses=("p1",), **options)
-    return earlier(first, "compare", cfg, Common(seed=2))
+    return start_from(first, "compare", cfg, Common(seed=2))
 
 
 def test_each_way_takes_its_own_correction_to_another_speed(first):
