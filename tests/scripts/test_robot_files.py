@@ -106,19 +106,6 @@ def test_a_cut_leaves_a_replay_with_a_line_for_each_axis(name, axes, tmp_path):
     assert len(learned) == axes
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("new none.urdf", "none.urdf"),
-        (f"new {SCARA} --tip a", "tip chooses a chain of a URDF or MJCF"),
-        (f"build {SCARA.with_name('README.md')}", "Unknown robot"),
-        ("fly", "fly"),
-    ],
-)
-def test_bad_input_writes_nothing(words, said, bad_input):
-    bad_input(f"robot {words} --out out", said)
-
-
 def test_a_wrong_robot_file_is_one_line_with_file_field_and_what_is_allowed(tmp_path, capsys):
     file = tmp_path / "arm.toml"
     text = SCARA.read_text(encoding="utf-8")

@@ -47,22 +47,6 @@ def test_an_axis_that_makes_no_sense_is_refused(axes, message):
         parse(axes, 0)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ("gamma=1 --engine ray", "needs --address"),
-        ("gamma=1 --address 1.2.3.4:5", "engine ray"),
-        ("gamma=1 --workers 0", '"0" for --workers. Must be >= 1'),
-        ("gamma=1 --into file", "file is a file"),
-        ("gamma=1 --engine cloud", "engine"),
-        ("pose=p1,p9", "Unknown pose 'p9'"),
-    ],
-)
-def test_bad_input_is_one_line(bad_input, tmp_path, options, message):
-    (tmp_path / "file").touch()
-    bad_input(f"sweep {options}", message)
-
-
 def test_the_engine_is_asked_before_the_grid_is_built(armside, monkeypatch):
     monkeypatch.setattr(
         "armside.scripts.commands.sweep.parse", lambda *_: pytest.fail("built a grid")

@@ -75,17 +75,3 @@ def test_a_folder_that_cannot_be_made_is_found_before_learning(armside, monkeypa
     status, _, err = armside("train --out a")
     assert status == 2
     assert "no folder can be made in" in err
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ("--seed 899999990", "sealed test seeds"),
-        ("--robots 0", '"0" for --robots. Must be >= 1'),
-    ],
-)
-def test_bad_input_is_one_line(armside, options, message):
-    status, _, err = armside(f"train {options}")
-    assert status == 2
-    assert message in err
-    assert err.count("\n") == 1

@@ -161,13 +161,6 @@ def test_learning_from_the_tracker_is_tuned_without_a_shift_and_beats_the_motors
     assert tracker["ratio_true"] < 0.5 * best["motor"]["ratio_true"]
 
 
-@pytest.mark.parametrize("options", ["--motors each", "--nominal 2"])
-def test_what_the_law_of_the_tool_has_not_is_refused(armside, options):
-    status, _, err = armside(f"tune --measure estimate {options}")
-    assert (status, err.count("\n")) == (2, 1)
-    assert "need --measure motor, not estimate" in err
-
-
 def test_the_model_foresees_the_end_of_learning_in_two_runs(monkeypatch):
     """The best and the thesis's, of a nominal robot, stay apart, both missed the opposite
     way. Friction, which the model has not, leaves up to 0.2 more (logarithm)."""
