@@ -97,20 +97,19 @@ def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common(
 def _choose(report: Report, cfg: CommissionCfg) -> None:
     with report.progress("choosing", total=len(CANDIDATES)) as step:
         taken = chosen(design_of(cfg.robot, cfg.payload), progress=step)
+    rows = []
+    for choice in taken:
+        cut = CANDIDATES[choice.number]
+        place = " ".join(f"{value:g}" for value in cut.tool_pose.position)
+        kind = f"{type(cut.curve).__name__}, {1e3 * cut.curve.length:.0f} mm around"
+        loaded = prepare(cut, seed=0).loaded
+        seconds = f"{len(loaded.reference) * loaded.log_period:.1f}"
+        rows.append([choice.number, kind, place, 1e3 * cut.speed, seconds, choice.gain])
     report.table(
         "Cuts in the order in which they are taken",
         ["candidate", "contour", "position [m]", "speed [mm/s]", "record [s]", "information [nat]"],
-        [_planned(choice.number, choice.gain) for choice in taken],
+        rows,
     )
-
-
-def _planned(number: int, gain: float) -> list[Any]:
-    cut = CANDIDATES[number]
-    x, y, z = cut.tool_pose.position
-    kind = f"{type(cut.curve).__name__}, {1e3 * cut.curve.length:.0f} mm around"
-    loaded = prepare(cut, seed=0).loaded
-    seconds = f"{len(loaded.reference) * loaded.log_period:.1f}"
-    return [number, kind, f"{x:g} {y:g} {z:g}", 1e3 * cut.speed, seconds, gain]
 
 
 def _names(cfg: CommissionCfg) -> list[str]:
@@ -182,7 +181,9 @@ def _results(found: CommissionedTwin) -> dict[str, Any]:
 
 def _show(report: Report, outcome: dict[str, Any], sensor: ToolSensor) -> None:
     rows = [
-        [c["name"], _on(sensor, c["within"]), _on(sensor, c["held_out"])] for c in outcome["cuts"]
+        [c["name"]]
+        + ["-" if c[k] is None else sensor.factor * c[k] for k in ("within", "held_out")]
+        for c in outcome["cuts"]
     ]
     columns = ["cut", "in the identification", "held out"]
     report.table(f"What the twin leaves of the {sensor.quantity} [{sensor.unit}]", columns, rows)
@@ -192,7 +193,3 @@ def _show(report: Report, outcome: dict[str, Any], sensor: ToolSensor) -> None:
         f"{every - len(unknown)} of {every} parameters are identified; of the others the cuts tell "
         f"nothing that matters to them: {', '.join(kinds) or 'none'}"
     )
-
-
-def _on(sensor: ToolSensor, value: float | None) -> float | str:
-    return "-" if value is None else sensor.factor * value

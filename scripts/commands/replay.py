@@ -57,7 +57,7 @@ def replay(*runs: Runs, cfg: ReplayCfg = ReplayCfg(), common: Common = Common())
     report = Report(common)
     with checking_input():
         stored = _opened(runs, cfg)
-        shots = list[Shots]()
+        shots: list[Shots] = []
         if cfg.png is not None or cfg.video is not None:
             from armside.sim.replay import film
 

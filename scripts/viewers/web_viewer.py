@@ -172,34 +172,27 @@ def _handler(pages: Mapping[str, Answer], telemetry: bool) -> type[BaseHTTPReque
                 self.send_error(403)  # another site's name that points here
             elif asked.path == "/" and "url=" not in asked.query:
                 self.send_response(302)
-                self.send_header("Location", _query(f"http://{self.headers['Host']}", asked.query))
+                replay = quote(f"http://{self.headers['Host']}/replay.rrd", safe="")
+                also = asked.query and f"&{asked.query}"  # such as renderer=webgl
+                self.send_header("Location", f"/?url={replay}&persist=0{also}")
                 self.send_header("Content-Length", "0")
                 self.end_headers()
             elif page := pages.get(asked.path):
-                self._answer(page)
+                content, headers = page
+                self.send_response(200)
+                for name, value in {**headers, "Content-Length": str(len(content))}.items():
+                    self.send_header(name, value)
+                if not telemetry:
+                    self.send_header("Content-Security-Policy", POLICY)
+                self.end_headers()
+                self.wfile.write(content)
             else:
                 self.send_error(404)
-
-        def _answer(self, page: Answer) -> None:
-            content, headers = page
-            self.send_response(200)
-            for name, value in {**headers, "Content-Length": str(len(content))}.items():
-                self.send_header(name, value)
-            if not telemetry:
-                self.send_header("Content-Security-Policy", POLICY)
-            self.end_headers()
-            self.wfile.write(content)
 
         def log_message(self, format: str, *args: object) -> None:
             """Log nothing."""
 
     return Handler
-
-
-def _query(origin: str, given: str) -> str:
-    """Path of the viewer with the replay; `given` is passed on, e.g. renderer=webgl."""
-    also = f"&{given}" if given else ""
-    return f"/?url={quote(origin + '/replay.rrd', safe='')}&persist=0{also}"
 
 
 def check_display(instead: str) -> None:
