@@ -15,7 +15,7 @@ from armside.sim.notes import Note, Tally, counted
 from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
 from armside.sim.twin import commission as commissioning
-from armside.sim.twin.commission import CANDIDATES, MOST, SENSORS, CommissionedTwin, chosen, plan
+from armside.sim.twin.commission import CANDIDATES, MOST, SENSORS, CommissionedTwin, plan
 from armside.sim.twin.identification import Identification
 from armside.sim.twin.prediction import is_identified, standard_deviation
 from armside.sim.twin.recordings import (
@@ -76,7 +76,9 @@ def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common(
     with checking_input():
         check_writable(common.out or RUNS / "commission")
         names = _names(cfg)
-        recorded, notes = _read(cfg, names)
+        chosen = {name: path for name, path in named(cfg.recordings).items() if name in names}
+        recorded = [replace(read_cut(p, cfg.measure), name=name) for name, p in chosen.items()]
+        notes = counted((notes_of_first_run(path) for path in chosen.values()), "cuts")
     if not recorded:
         recorded, notes = _cut(cfg, names, common.seed, report)
     steps = Identification().steps * len(recorded)
@@ -96,7 +98,7 @@ def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common(
 
 def _choose(report: Report, cfg: CommissionCfg) -> None:
     with report.progress("choosing", total=len(CANDIDATES)) as step:
-        taken = chosen(design_of(cfg.robot, cfg.payload), progress=step)
+        taken = commissioning.chosen(design_of(cfg.robot, cfg.payload), progress=step)
     rows = []
     for choice in taken:
         cut = CANDIDATES[choice.number]
@@ -134,12 +136,6 @@ def named(recordings: Sequence[Path]) -> dict[str, Path]:
         name if names.count(name) == 1 else str(path): path
         for name, path in zip(names, recordings, strict=True)
     }
-
-
-def _read(cfg: CommissionCfg, names: list[str]) -> tuple[list[MeasuredCut], list[Note]]:
-    chosen = {name: path for name, path in named(cfg.recordings).items() if name in names}
-    cuts = [replace(read_cut(path, cfg.measure), name=name) for name, path in chosen.items()]
-    return cuts, counted((notes_of_first_run(path) for path in chosen.values()), "cuts")
 
 
 def _cut(

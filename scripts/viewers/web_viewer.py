@@ -72,8 +72,13 @@ def viewer_pages(replay: Path) -> dict[str, Answer]:
         subprocess.Popen(command, env=env, stdout=printed, stderr=printed) as process,
     ):
         try:
-            address = _address(process, printed)
-            return {path: _read(address + path) for path in PAGES}
+            address, pages = _address(process, printed), dict[str, Answer]()
+            for path in PAGES:
+                with urllib.request.urlopen(address + path, timeout=START) as answer:
+                    found = {name: answer.headers[name] for name in KEPT_HEADERS}
+                    headers = {name: value for name, value in found.items() if value}
+                    pages[path] = answer.read(), headers
+            return pages
         finally:
             process.terminate()
 
@@ -89,12 +94,6 @@ def _address(process: subprocess.Popen[bytes], printed: IO[str]) -> str:
     printed.seek(0)
     last = (printed.read().strip().splitlines() or ["it printed nothing"])[-1]
     raise RunFailed(f"Rerun did not serve its viewer: {last}")
-
-
-def _read(address: str) -> Answer:
-    with urllib.request.urlopen(address, timeout=START) as answer:
-        headers = {name: answer.headers[name] for name in KEPT_HEADERS if answer.headers[name]}
-        return answer.read(), headers
 
 
 class _Server(ThreadingHTTPServer):

@@ -235,7 +235,7 @@ def test_a_failure_of_learning_in_a_twin_is_not_bad_input(armside, twin, monkeyp
 
 def test_the_plan_states_how_long_each_record_takes(armside, monkeypatch):
     """A circle of 126 mm at 80 mm/s: 1.6 s around, the lead-in and the rests."""
-    monkeypatch.setattr(command, "chosen", lambda *_, **__: [Choice(0, 79.0)])
+    monkeypatch.setattr(command.commissioning, "chosen", lambda *_, **__: [Choice(0, 79.0)])
     _, out, _ = armside("commission --choose")
     (row,) = (line for line in out.splitlines() if "Circle" in line)
     speed, seconds = (float(cell) for cell in row.split("│")[4:6])
