@@ -134,10 +134,8 @@ def limits_of(robot: Any) -> JointLimits | None:
 
 
 def gears(cfg: MeasureCfg, table: pa.Table) -> np.ndarray:
-    """Gear ratios given, or those of the robot; none for data of a tracker alone.
-
-    Raises ValueError if the robot has other motors.
-    """
+    """Gear ratios given, or those of the robot; none for data of a tracker alone. Raises ValueError
+    if the robot has other motors."""
     if cfg.gear:
         return np.array(cfg.gear)
     names = table.column_names

@@ -142,9 +142,7 @@ def reproduce(
 
 def _parts(ids: Sequence[str], cfg: JointCfg, common: ReportOptions) -> dict[str, Part]:
     """Parts of the sections of these names; of a chapter on real arms those whose files are there.
-
-    Raises InputError for names and options that are not allowed, and where no part is left.
-    """
+    Raises InputError for names and options that are not allowed, and where no part is left."""
     asked, parts = Asked(common.seed, common.data, cfg.study()), dict[str, Part]()
     chosen = entries.select(ids)
     if asked.study is not None:

@@ -96,10 +96,7 @@ def refuse_absurd_comparison(cfg: CompareCfg, n_cases: int) -> None:
 
 
 def starts_of(before: Earlier[CompareCfg], number: int, case: Case) -> dict[str, Start]:
-    """Start of each loop of a case. InputError where it was not cut at this pose.
-
-    number: of the case.
-    """
+    """Start of each loop of a case, by its number. InputError where it was not cut at this pose."""
     if before.goes_on:
         return dict(_states(before, number))
     # The earlier case at this pose, by preference at this speed and limit.

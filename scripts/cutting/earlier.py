@@ -68,18 +68,14 @@ class Earlier(Generic[Cfg]):
         return found
 
     def start(self, motion: Motion) -> Array | RunState:
-        """Start of a cut: a state, or (N, n) [rad], the last correction on a motion.
-
-        Raises InputError for another path.
-        """
+        """Start of a cut: a state, or (N, n) [rad], the last correction on a motion. Raises
+        InputError for another path."""
         state = self.state()
         return state if self.goes_on else self.taken(state, self.run.path, motion)
 
     def taken(self, state: RunState, before: Motion, motion: Motion) -> Array:
-        """(N, n) [rad], a correction taken from one motion to another.
-
-        Raises InputError where they follow different paths.
-        """
+        """(N, n) [rad], a correction taken from one motion to another. Raises InputError where they
+        follow different paths."""
         try:
             anywhere = "robot" in self.changed
             return carried(state.loop.correction, before, motion, anywhere=anywhere)
@@ -112,11 +108,9 @@ class Earlier(Generic[Cfg]):
 def started(
     start: Path | None, experiment: str, cfg: Cfg, common: Common
 ) -> tuple[Cfg, Common, Earlier[Cfg] | None]:
-    """Options with those of the earlier run where none were given, and what it left.
-
-    Raises InputError where no results can be written, for a folder that is no such run, one that
-    diverged or stored no state, or options that do not go together.
-    """
+    """Options with those of the earlier run where none were given, and what it left. Raises
+    InputError where no results can be written, for a folder that is no such run, one that diverged
+    or stored no state, or options that do not go together."""
     check_writable(common.out or RUNS / experiment)
     if start is None:
         return cfg, common, None
@@ -171,12 +165,9 @@ def _axes(slides: tuple[bool, ...]) -> str:
 
 
 def merged(cfg: Cfg, stored: Mapping[str, Any]) -> tuple[Cfg, Cfg, list[str]]:
-    """Options as given now, elsewhere those of an earlier run as its summary has them.
-
-    Returns also those of the earlier run, and the names of options that were given.
-
-    Raises TypeError or ValueError for options that do not go together.
-    """
+    """Options as given now, elsewhere those of an earlier run as its summary has them; those of
+    that run; and the names of options that were given. Raises TypeError or ValueError for options
+    that do not go together."""
     kind: Any = type(cfg)
     names = [each.name for each in fields(kind) if each.name in stored]
     before = kind(**{name: _typed(kind, name, stored[name]) for name in names})

@@ -85,10 +85,8 @@ def write_program(
     learner: Learner | None = None,
     last: Iteration | None = None,
 ) -> tuple[list[str], dict[str, Any], list[Note]]:
-    """Write the program of a part, with its last targets where it was cut.
-
-    Returns lines and entries about it, and a note where they are held back.
-    """
+    """Write the program of a part, with its last targets where it was cut: lines and entries about
+    it, and a note where they are held back."""
     from armside.sim.laser.part_cut import sequence
 
     motion = sequence(what, what.plan, what.plane)

@@ -66,11 +66,8 @@ class Dataset:
         return self._before.get(key) if row is None else row["status"]
 
     def add(self, row: Row) -> None:
-        """Store a row: once this returns, a killed process does not lose it.
-
-        Raises ValueError for a row that the schema cannot hold, and OSError, such as on a full
-        disk.
-        """
+        """Store a row: once this returns, a killed process does not lose it. Raises ValueError for
+        a row that the schema cannot hold, and OSError, such as on a full disk."""
         if (reason := _misfit(row)) is not None:
             raise ValueError(f"a result cannot be kept: {reason}")
         file = self._file(row["key"])

@@ -73,17 +73,12 @@ def complete(
     waiting: Callable[[int], None] = lambda n: None,
 ) -> Counter[str]:
     """Bring a folder up to all jobs, by key, started in their order: objects whose `run()` is their
-    result, in any process.
+    result, in any process. The number of jobs by status: that of their new results, and `known` or
+    `known (failed)` for those that were there before.
 
-    Args:
-        done: called with the key of each job that has an outcome.
-        retry_failed: run jobs again that have failed before.
-        waiting: called once nothing is left to do but to wait for others, with the number of jobs
-            that they have claimed.
-
-    Returns:
-        The number of jobs by status: that of their new results, and `known` or `known (failed)`
-        for those that were there before.
+    done: called with the key of each job that has an outcome. retry_failed: run jobs again that
+    have failed before. waiting: called once nothing is left to do but to wait for others, with the
+    number of jobs that they have claimed.
 
     Raises OSError where the folder cannot be written to. What was stored before stays.
     """

@@ -37,11 +37,9 @@ REMEMBERED = 4096
 
 
 def content_of(name: str, path: Path) -> str:
-    """Hash of the content of an option's file, and of the files that a model includes.
-
-    Raises InputError for a model that is none, TwinError for a folder without a twin, OSError for a
-    file that cannot be read.
-    """
+    """Hash of the content of an option's file, and of the files that a model includes. Raises
+    InputError for a model that is none, TwinError for a folder without a twin, OSError for a file
+    that cannot be read."""
     if name == "twin":
         from armside.sim.twin.twin import digest
 
@@ -90,10 +88,8 @@ def resolved(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
 
 
 def identity(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
-    """Everything a run depends on but its seed: resolved options, and the content of files.
-
-    Raises as `resolved` and `content`.
-    """
+    """Everything a run depends on but its seed: resolved options, and the content of files. Raises
+    as `resolved` and `content`."""
     what = resolved(cfg, content)
     if what["identification"]:  # it is known by how its place was written
         what["identified_at"] = plain((cfg.pose, cfg.position, cfg.quaternion))
@@ -116,10 +112,8 @@ class _Known(NamedTuple):
 
 
 class Resolver:
-    """Resolves the configurations of one grid: each once, whatever its seeds, and each file once.
-
-    The options of its methods are those of `armside laser` that are not left out.
-    """
+    """Resolves the configurations of one grid, options of `armside laser` that are not left out:
+    each once, whatever its seeds, and each file once."""
 
     def __init__(self) -> None:
         self._content = cache(content_of)
@@ -174,10 +168,8 @@ def _rounded(pose: ToolPose) -> tuple[tuple[float, ...], tuple[float, ...]]:
 
 @cache
 def _of_model(source: Path, content: str) -> dict[str, float | None]:
-    """Payload [kg] and temperature [deg C] of a robot's file; None where it has none.
-
-    content: of that file, where it may change.
-    """
+    """Payload [kg] and temperature [deg C] of a robot's file; None where it has none. content: of
+    that file, where it may change."""
     model = load_model(source)
     tool = mujoco.mj_name2id(model.mj, mujoco.mjtObj.mjOBJ_BODY, "tool")
     warm = Effect.LOAD_FRICTION in available(model)

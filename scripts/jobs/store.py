@@ -129,11 +129,9 @@ def run_batch(
     workers: Engine,
     done: Callable[[float], None] = lambda cost: None,
 ) -> None:
-    """Run jobs that no other process has run or is running; `done` gets the cost of each.
-
-    Raises RunFailed where a worker was killed or jobs failed, and OSError where a result could not
-    be written. Everything that finished is stored.
-    """
+    """Run jobs that no other process has run or is running; `done` gets the cost of each. Raises
+    RunFailed where a worker was killed or jobs failed, and OSError where a result could not be
+    written. Everything that finished is stored."""
     by_key = {digest(job): job for job in jobs}
     complete(by_key, store, workers, done=lambda key: done(by_key[key].cost))
     failed = [(by_key[key], error) for key, error in store.errors.items() if key in by_key]

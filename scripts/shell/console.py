@@ -80,9 +80,7 @@ class Report:
         missing: str = "",
     ) -> None:
         """A table on stdout, folded to the width of the terminal: 80 columns, or COLUMNS, if none.
-
-        missing: reason for a number that is not there, printed below a table that lacks one.
-        """
+        missing: reason for a number that is not there, printed below a table that lacks one."""
         for table in folded(Console(), title, columns, rows):
             self._print(table)
         if missing and any(cell(value) == NOTHING for row in rows for value in row):
@@ -156,10 +154,8 @@ def cell(value: Any) -> str:
 def folded(
     console: Console, title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]
 ) -> Iterator[Table]:
-    """One table, or several with the same leading columns where one would be too wide.
-
-    Before columns are folded, names of columns and texts wrap. No number is ever cut.
-    """
+    """One table, or several with the same leading columns where one would be too wide. Before
+    columns are folded, names of columns and texts wrap. No number is ever cut."""
     every = range(len(columns))
     whole = _table(title, columns, rows, every)
     if _width(console, whole).maximum <= console.width:

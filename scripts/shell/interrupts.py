@@ -96,13 +96,9 @@ class Stop:
 
 @contextmanager
 def noticing(kept: Callable[[], str]) -> Iterator[Stop]:
-    """End the block on a signal where it calls `Stop.check`, or at its end; the first one counts.
-    Another error that the block raises after a signal is taken for its consequence.
-
-    kept: the message at the end, which may be empty.
-
-    Raises KeyboardInterrupt with this message after a signal.
-    """
+    """End the block on a signal where it calls `Stop.check`, or at its end, with KeyboardInterrupt
+    and the message `kept`, which may be empty; the first one counts. Another error that the block
+    raises after a signal is taken for its consequence."""
     stop, before = Stop(), dict[int, Any]()
     if threading.current_thread() is threading.main_thread():  # others may handle no signals
         handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, *ENDING)}

@@ -91,11 +91,9 @@ def _drop_unwritten(stream: object) -> None:
 
 
 def begin(*, debug: bool) -> None:
-    """Prepare the process of a command line.
-
-    Streams that the caller has closed lead nowhere: a file must not take their place. What stdout
-    cannot encode is escaped. Warnings and log records of libraries are for those who debug.
-    """
+    """Prepare the process of a command line. Streams that the caller has closed lead nowhere: a
+    file must not take their place. What stdout cannot encode is escaped. Warnings and log records
+    of libraries are for those who debug."""
     for descriptor in range(3):
         try:
             os.fstat(descriptor)

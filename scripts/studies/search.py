@@ -86,10 +86,8 @@ def nominal_best(
 def against_random(
     objective: Objective, judge: Objective, best: Mapping[str, Any], runs: int, seed: int
 ) -> dict[str, Any]:
-    """Gain of a search's best design over that of random search with as many runs, on other jobs.
-
-    judge: of those jobs. best: parameters of the design.
-    """
+    """Gain of the design of a search's best parameters over that of random search with as many
+    runs, on the other jobs of `judge`."""
     found = judge.ratio(studies.design_from(best))
     random = judge.ratio(random_best(objective, runs, seed))
     interval = dict(zip(("ratio", "low", "high"), gain(found, random), strict=True))

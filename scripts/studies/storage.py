@@ -49,10 +49,8 @@ ATTEMPTS = 5
 
 @contextmanager
 def reaching(storage: str) -> Iterator[None]:
-    """Open a storage: errors of its URL, its driver or its server become InputError.
-
-    A long wait, as for a file that is locked, is announced on stderr.
-    """
+    """Open a storage: errors of its URL, its driver or its server become InputError. A long wait,
+    as for a file that is locked, is announced on stderr."""
     from optuna.exceptions import OptunaError
     from sqlalchemy.exc import SQLAlchemyError
 
@@ -81,10 +79,8 @@ def reaching(storage: str) -> Iterator[None]:
 
 @contextmanager
 def using(storage: str) -> Iterator[None]:
-    """Work with an open storage: one that is lost on the way becomes RunFailed.
-
-    Optuna's thread of heartbeats loses it too, and would print a traceback beside that.
-    """
+    """Work with an open storage: one that is lost on the way becomes RunFailed. Optuna's thread of
+    heartbeats loses it too, and would print a traceback beside that."""
     others = threading.excepthook
     threading.excepthook = lambda ended: None if _lost(ended.exc_value) else others(ended)
     try:
@@ -111,11 +107,9 @@ def _lost(error: BaseException | None) -> BaseException | None:
 
 
 def connect(storage: str) -> "optuna.storages.RDBStorage":
-    """The database, with its tables. Processes that make them at the same moment try again.
-
-    storage: URL as SQLAlchemy writes them; the folder of an SQLite file is made. Raises InputError
-    for anything else, and for a database of another program; use it in a block of `reaching`.
-    """
+    """The database of an SQLAlchemy URL, with its tables; the folder of an SQLite file is made.
+    Processes that make them at the same moment try again. Raises InputError for anything else, and
+    for a database of another program; use it in a block of `reaching`."""
     import optuna
     from sqlalchemy.exc import IntegrityError, OperationalError, ProgrammingError
 

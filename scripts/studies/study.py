@@ -106,12 +106,9 @@ def new_pruner(name: Pruner) -> "optuna.pruners.BasePruner":
 def open_study(
     storage: str, name: str, config: dict[str, Any], *, sampler: Sampler, pruner: Pruner, seed: int
 ) -> "optuna.Study":
-    """The study of that name in a storage (`storage.connect`), new or as other processes have left
-    it.
-
-    Raises InputError where the storage does not answer, is no URL or another program's, its driver
-    is not installed, or the study tunes something else than `config`.
-    """
+    """The study of that name in a storage, new or as other processes have left it. Raises
+    InputError where the storage does not answer, is no URL or another program's, its driver is not
+    installed, or the study tunes something else than `config`."""
     import optuna
     from optuna.exceptions import DuplicatedStudyError
 
@@ -180,10 +177,8 @@ def ask_first(
     study: "optuna.Study", values: dict[str, float], check: Callable[[], None] = lambda: None
 ) -> None:
     """Queue a design as the next trial, unless it was tried, is waiting, or is running elsewhere.
-
     One whose trial failed, or whose process was killed, is queued again. A killed process is known
-    by its silence, which is waited for; what `check` raises ends that.
-    """
+    by its silence, which is waited for; what `check` raises ends that."""
     from optuna.trial import TrialState
 
     # The database counts whole seconds, and one more must have passed.
@@ -251,11 +246,8 @@ def value(trial: "optuna.trial.FrozenTrial") -> float:
 
 
 def load_design(file: Path) -> Design:
-    """The best design of a search: shared by all motors, or one for each.
-
-    Raises ValueError for a file that does not exist, is no summary of `armside tune`, or found no
-    design.
-    """
+    """The best design of a search: shared by all motors, or one for each. Raises ValueError for a
+    file that does not exist, is no summary of `armside tune`, or found no design."""
     try:
         return design_from(json.loads(file.read_text(encoding="utf-8"))["best"])
     except FileNotFoundError:
@@ -276,9 +268,7 @@ def design_from(params: Mapping[str, Any]) -> Design:
 
 def first_action(file: Path | None, motors: Motors, n_axes: int = SIX) -> np.ndarray:
     """Action of the design in a file, (3,) or (3 n,); without one, of the middle of the ranges.
-
-    Raises ValueError as `load_design`, and for a design out of the ranges.
-    """
+    Raises ValueError as `load_design`, and for a design out of the ranges."""
     if file is None:
         return np.zeros(len(VARIABLES) * motors.count(n_axes), np.float32)
     return action_of(load_design(file), motors, n_axes)

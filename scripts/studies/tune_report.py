@@ -33,11 +33,9 @@ class Importance(NamedTuple):
 
 
 def importance(study: "optuna.Study") -> dict[str, Importance]:
-    """Importance of each parameter by PED-ANOVA over the complete trials, the largest first.
-
-    A design that diverged counts as the worst. Empty while too few trials are complete, or where
-    all of them are alike.
-    """
+    """Importance of each parameter by PED-ANOVA over the complete trials, the largest first. A
+    design that diverged counts as the worst. Empty while too few trials are complete, or where all
+    of them are alike."""
     from optuna.trial import TrialState
 
     trials = study.get_trials(deepcopy=False, states=(TrialState.COMPLETE,))

@@ -105,12 +105,8 @@ class _Server(ThreadingHTTPServer):
 
 
 class WebViewer:
-    """Web viewer with one replay in it, served until closed.
-
-    port: to listen on; 0 takes any free one. telemetry: let the page talk to other machines.
-
-    Raises InputError for a port that is in use or not allowed.
-    """
+    """Web viewer with one replay in it, served until closed. port: 0 takes any free one; InputError
+    for one that is in use or not allowed. telemetry: let the page talk to other machines."""
 
     def __init__(self, replay: Path, *, port: int, telemetry: bool = False) -> None:
         pages: dict[str, Answer] = {}
@@ -203,10 +199,8 @@ def check_display(instead: str) -> None:
 
 
 def show(file: Path, telemetry: bool) -> None:
-    """Show a replay in Rerun's native viewer until its window is closed.
-
-    Raises RunFailed where the viewer fails.
-    """
+    """Show a replay in Rerun's native viewer until its window is closed. Raises RunFailed where the
+    viewer fails."""
     command = [rerun_program(), str(file), "--bind", LOOPBACK, "--port", "auto"]
     with private_environment(telemetry) as env:
         try:

@@ -136,10 +136,8 @@ def _folded(text: str) -> str:
 
 
 def write(folder: Any, runs: Sequence[LawRun], reference: Array, sample_time: float) -> list[str]:
-    """Write reference (N, n) and corrections as CSV, and the state to go on from.
-
-    Returns notes on what could not be kept.
-    """
+    """Write reference (N, n) and corrections as CSV, and the state to go on from; notes on what
+    could not be kept."""
     write_signal(folder / REFERENCE, reference, sample_time, "reference")
     for i, group in enumerate(groups(runs)):
         name = re.sub(r"[^A-Za-z0-9]+", "-", label(group[0], False)).strip("-")[:60]

@@ -24,10 +24,8 @@ SECONDS_LINEAR, SECONDS_ROBOT = 3e-6, 1e-4
 
 
 def named_task(cfg: LearnCfg, seed: int, followed: Path | None = None) -> "Task":
-    """Everything before the first run. Raises ValueError or OwnCodeError.
-
-    followed: file with the reference of an earlier run that is continued on a controller.
-    """
+    """Everything before the first run. followed: file with the reference of an earlier run that is
+    continued on a controller. Raises ValueError or OwnCodeError."""
     from armside.ilc.models.file import read_model
     from armside.ilc.workbench import plants
 
@@ -62,10 +60,8 @@ def named_task(cfg: LearnCfg, seed: int, followed: Path | None = None) -> "Task"
 
 
 def is_folder(cfg: LearnCfg) -> bool:
-    """The plant is run by hand, files exchanged in a folder.
-
-    A name of a plant is not a folder's, which may be of results that were kept under that name.
-    """
+    """The plant is run by hand, files exchanged in a folder. A name of a plant is not a folder's,
+    which may be of results that were kept under that name."""
     if cfg.plant in NAMES:
         return False
     try:

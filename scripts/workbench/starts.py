@@ -35,11 +35,9 @@ class Starts:
         return self.of.state(key(law, noise, repetition)) if self.of and goes_on else None
 
     def correction(self, law: str, task: "Task") -> Array | None:
-        """u of the last run with the same law, or else with the first; None where it goes on.
-
-        Where both tasks follow a path at other speeds, it is taken by the place there. Raises
-        InputError where a robot follows another path.
-        """
+        """u of the last run with the same law, or else with the first; None where it goes on. Where
+        both tasks follow a path at other speeds, it is taken by the place there. Raises InputError
+        where a robot follows another path."""
         if self.given is not None:
             return self.given.at(len(task.reference), task.sample_time)
         if self.of is None or self.of.goes_on:
@@ -55,10 +53,8 @@ class Starts:
 
     @property
     def followed(self) -> Path | None:
-        """Reference of a run that is gone on from; None where it may be another, or is missing.
-
-        The noise of a robot goes on from run to run, so that one that is only listened to counts.
-        """
+        """Reference of a run that is gone on from; None where it may be another, or is missing. The
+        noise of a robot goes on from run to run, so that one that is only listened to counts."""
         if self.of is None or not self.of.goes_on:
             return None
         file = self.of.run.folder / REFERENCE
@@ -80,10 +76,8 @@ class Starts:
 
 
 def starts(cfg: LearnCfg, common: Common) -> tuple[LearnCfg, Common, Starts]:
-    """Options with those of the earlier run where none were given, and what it left.
-
-    Raises InputError for a folder that is no run of `armside learn`, or without states.
-    """
+    """Options with those of the earlier run where none were given, and what it left. Raises
+    InputError for a folder that is no run of `armside learn`, or without states."""
     start = cfg.start
     if start is not None and start.is_file():
         cfg, common, _ = started(None, "learn", cfg, common)

@@ -11,7 +11,8 @@ import pytest
 
 from armside.kinematics import compile, read_robot
 from armside.kinematics.urdf import read_urdf
-from armside.scripts.cli import main
+
+from .ran import ran
 
 UR10 = Path(__file__).parents[2] / "docs/examples/ur10_tmac"
 FAST = "--harmonics 0 --next 3"
@@ -20,9 +21,7 @@ FAST = "--harmonics 0 --next 3"
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
     folder = tmp_path_factory.mktemp("calibrated") / "out"
-    line = f"calibrate-arm {UR10} --robot ur10 {FAST} --quiet --out {folder}"
-    assert main(line.split()) == 0
-    return json.loads((folder / "summary.json").read_text()), folder
+    return ran(folder, f"calibrate-arm {UR10} --robot ur10 {FAST}"), folder
 
 
 def test_table_urdf_and_c_of_the_calibrated_arm_agree(done, require_program):

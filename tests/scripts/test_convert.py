@@ -11,11 +11,13 @@ import pytest
 from armside.scripts import cli
 from armside.sim.records.tables import read_table, units, write_table
 
+from .ran import ran
+
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
     out = tmp_path_factory.mktemp("runs") / "one"
-    assert cli.main(["laser", "--iterations", "1", "--quiet", "--out", str(out)]) == 0
+    ran(out, "laser --iterations 1")
     return out
 
 

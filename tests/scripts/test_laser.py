@@ -16,6 +16,7 @@ from armside.scripts.shell.console import Report, cell
 from armside.scripts.shell.options import Common
 from armside.sim.records.signals import read_signals
 
+from .ran import ran
 from .replay_content import content
 
 FILES = {"summary.json", "individual.toml", "signals.parquet", "robot.xml", "replay.rrd"}
@@ -24,17 +25,15 @@ FILES |= {"state.npz", "circles.png", "errors.png", "kerf.png"}
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    out = tmp_path_factory.mktemp("runs") / "default"
-    assert main(["laser", "--out", str(out), "--quiet"]) == 0
-    return out
+    return tmp_path_factory.mktemp("runs") / "default"
 
 
 @pytest.fixture(scope="module")
 def summary(folder):
-    return json.loads((folder / "summary.json").read_text())
+    return ran(folder, "laser")
 
 
-def test_a_run_leaves_its_files(folder):
+def test_a_run_leaves_its_files(summary, folder):
     assert {file.name for file in folder.iterdir()} == FILES
 
 
@@ -95,12 +94,11 @@ def words(line: str, bar: str) -> list[str]:
     return [cell.strip() for cell in line.strip(bar).split(bar)]
 
 
-def test_two_processes_write_the_same_bits(folder, tmp_path):
+def test_two_processes_write_the_same_bits(summary, folder, tmp_path):
     command = [sys.executable, "-m", "armside.scripts.cli", "laser", "--quiet", "--out", "again"]
     subprocess.run(command, cwd=tmp_path, check=True, timeout=120)
     first, again = folder, tmp_path / "again"
-    of = [json.loads((f / "summary.json").read_text())["iterations"] for f in (first, again)]
-    assert of[0] == of[1]
+    assert json.loads((again / "summary.json").read_text())["iterations"] == summary["iterations"]
     signals = [read_signals(f / "signals.parquet").runs for f in (first, again)]
     for a, b in zip(*signals, strict=True):
         assert np.array_equal(a.recording.motor_angle, b.recording.motor_angle)
@@ -136,11 +134,8 @@ def test_limits_that_were_hit_are_listed_and_said(tmp_path, capsys):
 
 
 def test_six_values_make_a_law_per_motor(tmp_path):
-    words = ["0.9"] * 5 + ["0.5"]
-    args = ["laser", "--gamma", *words, "--iterations", "1", "--quiet", "--out", str(tmp_path)]
-    assert main(args) == 0
-    config = json.loads((tmp_path / "summary.json").read_text())["config"]
-    assert config["gamma"] == [0.9, 0.9, 0.9, 0.9, 0.9, 0.5]
+    found = ran(tmp_path, "laser --gamma 0.9 0.9 0.9 0.9 0.9 0.5 --iterations 1")
+    assert found["config"]["gamma"] == [0.9, 0.9, 0.9, 0.9, 0.9, 0.5]
 
 
 def test_a_model_that_lacks_a_joint_is_refused_by_name(tmp_path, bad_input):

@@ -10,7 +10,7 @@ import pyarrow.compute
 import pyarrow.parquet as pq
 import pytest
 
-from armside.scripts import cli
+from .ran import ran
 
 compute: Any = pyarrow.compute
 """Its functions are made when it is imported."""
@@ -24,8 +24,7 @@ TRACKER = ("tracker_x", "tracker_y", "tracker_z")
 def good(tmp_path_factory):
     """Folder of a run."""
     folder = tmp_path_factory.mktemp("recorded") / "good"
-    line = f"laser --individual 2001 --iterations 0 --speed 80 --quiet --out {folder}"
-    assert cli.main(line.split()) == 0
+    ran(folder, "laser --individual 2001 --iterations 0 --speed 80")
     return folder
 
 
