@@ -27,13 +27,13 @@ def write(file, u, y, time=True):
     np.savetxt(file, table, "%.12g", ",", header=header, comments="")
 
 
-def test_a_record_gives_a_plant_that_learn_takes_and_intervals_around_the_truth(armside, tmp_path):
+def test_a_record_gives_a_plant_that_learn_takes_and_intervals_around_the_truth(
+    armside, summary_of, tmp_path
+):
     write(tmp_path / "a.csv", *measured(0))
     write(tmp_path / "b.csv", *measured(1))
     line = f"identify-plant a.csv --validation b.csv {SHORT} --out found"
-    status, out, err = armside(f"{line} --json")
-    assert (status, err) == (0, "")
-    summary = json.loads(out)
+    summary = summary_of(f"{line}")
     (row,) = summary["structures"]
     assert row["orders"] == "nb 2, nf 2, nk 2"
     assert row["fit"] > 0.9
