@@ -146,20 +146,14 @@ def test_own_data_get_the_same_analysis(tmp_path, capsys, suffix):
 
 def test_only_the_turn_asked_for_is_measured(tmp_path, capsys):
     file = tmp_path / "mine.csv"
-    table = own_data()
-    x = table["tracker_x"].to_numpy().copy()
-    x[:100] += 1.0
-    write_table(
-        file, table.set_column(table.column_names.index("tracker_x"), "tracker_x", pa.array(x))
-    )
+    write_table(file, column("tracker_x", lambda x: x + 1.0 * (np.arange(500) < 100))(own_data()))
     (row,) = measured(file, capsys, "--gear", "1", "1", "--radius", "5", "--start", "0.4")
     assert row["arm_rms"] == pytest.approx(20e-6, rel=1e-9)
 
 
 def test_without_a_radius_only_motors_are_measured(tmp_path, capsys):
-    file = tmp_path / "mine.csv"
-    write_table(file, own_data())
-    (row,) = measured(file, capsys, "--gear", "1", "1")
+    write_table(tmp_path / "mine.csv", own_data())
+    (row,) = measured(tmp_path / "mine.csv", capsys, "--gear", "1", "1")
     assert row["arm_rms"] is None
 
 
@@ -233,11 +227,9 @@ def test_data_with_wrong_times_or_units_are_not_measured(name, suffix, tmp_path,
     bad_input(f"measure {file} --gear 100 50 --radius 5", said)
 
 
-STORED = {name: SPOILT[name][0] for name in ("reversed", "constant", "milliseconds")} | {
-    "a hole": column("time", lambda t: t + 5.0 * (t > 1)),
-    "degrees": column("motor_angle_2", np.degrees),
-    "text": column("time", words),
-}
+OF_TIME = ("reversed", "constant", "milliseconds", "a hole", "text")
+STORED = {name: SPOILT[name][0] for name in OF_TIME}
+STORED |= {"degrees": column("motor_angle_2", np.degrees)}
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])

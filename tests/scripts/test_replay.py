@@ -73,8 +73,8 @@ def test_magnification_is_that_asked_for(run, tmp_path):
     spread, contents = [], []
     for factor in ("1", "3"):
         file = tmp_path / f"{factor}.rrd"
-        words = ["replay", str(run), "--save", str(file), "--magnification", factor, "--quiet"]
-        assert cli.main(words) == 0
+        line = f"replay {run} --save {file} --magnification {factor} --quiet"
+        assert cli.main(line.split()) == 0
         spread.append(deviation_in_plane(file))
         contents.append(content(file))
     other = {entity for entity, rows in contents[0].items() if rows != contents[1][entity]}
