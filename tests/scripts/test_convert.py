@@ -1,6 +1,7 @@
 """Data out and back: other tools' files hold the run, and measure as the run did."""
 
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -54,9 +55,8 @@ def same(a, b):
     return x.tobytes() == y.tobytes()
 
 
-def test_joints_that_are_given_twice_are_bad_input(run, capsys):
-    assert cli.main(["convert", str(run), "--joints", "a", "b", "a"]) == 2
-    assert capsys.readouterr().err == "armside: a is given twice\n"
+def test_joints_that_are_given_twice_are_bad_input(run, bad_input):
+    bad_input(f"convert {run} --joints a b a", "armside: a is given twice\n")
 
 
 def test_a_lost_beam_survives_files_without_missing_values(tmp_path):
@@ -246,11 +246,6 @@ def test_angles_of_motor_shafts_may_turn_without_bound(tmp_path, capsys):
     measured(tmp_path / "mine.csv", capsys, "--gear", "1", "1")
 
 
-def test_a_missing_package_is_named_with_its_extra(run, tmp_path, monkeypatch, capsys):
-    import sys
-
+def test_a_missing_package_is_named_with_its_extra(run, monkeypatch, bad_input):
     monkeypatch.setitem(sys.modules, "h5py", None)
-    file = tmp_path / "s.h5"
-    assert cli.main(["convert", str(run), "--to", "hdf5", "--file", str(file)]) == 2
-    assert "armside[convert]" in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())
+    bad_input(f"convert {run} --to hdf5 --file s.h5", "armside[convert]")
