@@ -15,7 +15,7 @@ from armside.sim.notes import Note, Tally, counted
 from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
 from armside.sim.twin import commission as commissioning
-from armside.sim.twin.commission import CANDIDATES, MOST, SENSORS, CommissionedTwin, chosen, plan
+from armside.sim.twin.commission import CANDIDATES, MOST, SENSORS, CommissionedTwin, plan
 from armside.sim.twin.identification import Identification
 from armside.sim.twin.prediction import is_identified, standard_deviation
 from armside.sim.twin.recordings import (
@@ -76,7 +76,9 @@ def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common(
     with checking_input():
         check_writable(common.out or RUNS / "commission")
         names = _names(cfg)
-        recorded, notes = _read(cfg, names)
+        chosen = {name: path for name, path in named(cfg.recordings).items() if name in names}
+        recorded = [replace(read_cut(p, cfg.measure), name=name) for name, p in chosen.items()]
+        notes = counted((notes_of_first_run(path) for path in chosen.values()), "cuts")
     if not recorded:
         recorded, notes = _cut(cfg, names, common.seed, report)
     steps = Identification().steps * len(recorded)
@@ -96,28 +98,25 @@ def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common(
 
 def _choose(report: Report, cfg: CommissionCfg) -> None:
     with report.progress("choosing", total=len(CANDIDATES)) as step:
-        taken = chosen(design_of(cfg.robot, cfg.payload), progress=step)
+        taken = commissioning.chosen(design_of(cfg.robot, cfg.payload), progress=step)
+    rows = []
+    for choice in taken:
+        cut = CANDIDATES[choice.number]
+        place = " ".join(f"{value:g}" for value in cut.tool_pose.position)
+        kind = f"{type(cut.curve).__name__}, {1e3 * cut.curve.length:.0f} mm around"
+        loaded = prepare(cut, seed=0).loaded
+        seconds = f"{len(loaded.reference) * loaded.log_period:.1f}"
+        rows.append([choice.number, kind, place, 1e3 * cut.speed, seconds, choice.gain])
     report.table(
         "Cuts in the order in which they are taken",
         ["candidate", "contour", "position [m]", "speed [mm/s]", "record [s]", "information [nat]"],
-        [_planned(choice.number, choice.gain) for choice in taken],
+        rows,
     )
 
 
-def _planned(number: int, gain: float) -> list[Any]:
-    cut = CANDIDATES[number]
-    x, y, z = cut.tool_pose.position
-    kind = f"{type(cut.curve).__name__}, {1e3 * cut.curve.length:.0f} mm around"
-    loaded = prepare(cut, seed=0).loaded
-    seconds = f"{len(loaded.reference) * loaded.log_period:.1f}"
-    return [number, kind, f"{x:g} {y:g} {z:g}", 1e3 * cut.speed, seconds, gain]
-
-
 def _names(cfg: CommissionCfg) -> list[str]:
-    """Names of the cuts to identify from.
-
-    Raises ValueError for one to leave out that is not, and for one that is given twice.
-    """
+    """Names of the cuts to identify from. Raises ValueError for one to leave out that is not, and
+    for one that is given twice."""
     names = list(named(cfg.recordings)) or [f"cut-{i + 1}" for i in range(cfg.cuts)]
     if unknown := [name for name in cfg.leave_out if name not in names]:
         raise ValueError(f"there is no cut {unknown[0]!r} to leave out. Cuts: {', '.join(names)}")
@@ -127,10 +126,8 @@ def _names(cfg: CommissionCfg) -> list[str]:
 
 
 def named(recordings: Sequence[Path]) -> dict[str, Path]:
-    """Recordings by name: that of the file, or the path as given where several have it.
-
-    Raises ValueError for a recording that is given twice.
-    """
+    """Recordings by name: that of the file, or the path as given where several have it. Raises
+    ValueError for one that is given twice."""
     paths = [str(path) for path in recordings]
     if twice := [path for path in paths if paths.count(path) > 1]:
         raise ValueError(f"the recording {twice[0]} is given twice")
@@ -139,12 +136,6 @@ def named(recordings: Sequence[Path]) -> dict[str, Path]:
         name if names.count(name) == 1 else str(path): path
         for name, path in zip(names, recordings, strict=True)
     }
-
-
-def _read(cfg: CommissionCfg, names: list[str]) -> tuple[list[MeasuredCut], list[Note]]:
-    chosen = {name: path for name, path in named(cfg.recordings).items() if name in names}
-    cuts = [replace(read_cut(path, cfg.measure), name=name) for name, path in chosen.items()]
-    return cuts, counted((notes_of_first_run(path) for path in chosen.values()), "cuts")
 
 
 def _cut(
@@ -186,7 +177,9 @@ def _results(found: CommissionedTwin) -> dict[str, Any]:
 
 def _show(report: Report, outcome: dict[str, Any], sensor: ToolSensor) -> None:
     rows = [
-        [c["name"], _on(sensor, c["within"]), _on(sensor, c["held_out"])] for c in outcome["cuts"]
+        [c["name"]]
+        + ["-" if c[k] is None else sensor.factor * c[k] for k in ("within", "held_out")]
+        for c in outcome["cuts"]
     ]
     columns = ["cut", "in the identification", "held out"]
     report.table(f"What the twin leaves of the {sensor.quantity} [{sensor.unit}]", columns, rows)
@@ -196,7 +189,3 @@ def _show(report: Report, outcome: dict[str, Any], sensor: ToolSensor) -> None:
         f"{every - len(unknown)} of {every} parameters are identified; of the others the cuts tell "
         f"nothing that matters to them: {', '.join(kinds) or 'none'}"
     )
-
-
-def _on(sensor: ToolSensor, value: float | None) -> float | str:
-    return "-" if value is None else sensor.factor * value

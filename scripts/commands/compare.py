@@ -66,8 +66,10 @@ def compare(
     rows = [row for case, each in zip(todo, found, strict=True) for row in _rows(case, each)]
     said = together(_notes(todo, found))
     counted = [each.k for each in max((m for of in found for m in of.values()), key=len)]
-    about = {"notes": said, "started_from": None if before is None else before.entry}
-    outcome = summary("compare", cfg, common, comparisons=rows, k=counted, **about)
+    from_ = None if before is None else before.entry
+    outcome = summary(
+        "compare", cfg, common, comparisons=rows, k=counted, notes=said, started_from=from_
+    )
     with run_folder(outcome, common) as folder:
         save_states_of(folder, found)
         figures.learned(folder / "compare.png", todo, found)

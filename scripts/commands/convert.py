@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from armside.sim.records import read_run
 from armside.sim.records.files import check_file_to_write
@@ -10,18 +10,12 @@ from armside.sim.records.run_folder import check_destination, check_writable
 from armside.sim.records.summary import summary
 
 from ..shell.bag_options import BagCfg
-from ..shell.console import Report, keep
+from ..shell.console import Report
 from ..shell.errors import InputError, checking_input
 from ..shell.options import Common, FileToRead, options
 
 Kind = Literal["csv", "parquet", "mat", "hdf5", "mcap"]
-SUFFIXES: dict[str, list[str]] = {
-    "csv": [".csv"],
-    "parquet": [".parquet"],
-    "mat": [".mat"],
-    "hdf5": [".hdf5", ".h5"],
-    "mcap": [".mcap"],
-}
+SUFFIXES = {kind: [f".{kind}"] for kind in get_args(Kind)} | {"hdf5": [".hdf5", ".h5"]}
 
 
 @options
@@ -57,9 +51,7 @@ def convert(source: Path, /, *, cfg: ConvertCfg = ConvertCfg(), common: Common =
     else:
         found, written = _recording(source, cfg)
     outcome = summary("convert", cfg, common, source=source, **found)
-    keep(outcome, common)
-    report.lines([*found.get("notes", ()), written])
-    report.summary(outcome)
+    report.kept(outcome, *found.get("notes", ()), written)
 
 
 def _table(source: Path, cfg: ConvertCfg, *, is_log: bool) -> tuple[dict[str, Any], str]:

@@ -26,7 +26,7 @@ from armside.sim.robot.kinematics_check import cell_model
 from armside.sim.robot_file.find import find_cell, load_robot
 
 from ..cutting.earlier import STATE
-from ..shell.console import Report, keep
+from ..shell.console import Report
 from ..shell.errors import InputError, checking_input, needs
 from ..shell.options import SOME, Common, FileToRead, FileToWrite, Limits, options
 
@@ -89,32 +89,26 @@ class ExportCfg:
             if getattr(self, name) not in (None, ()):
                 raise ValueError(f"--{name} is of a run: give its folder")
         made = replace(
-            self,
-            robot=self.robot or "irb1400",
-            what=self.what or "jacobian",
-            to=self.to or "c",
+            self, robot=self.robot or "irb1400", what=self.what or "jacobian", to=self.to or "c"
         )
-        _check(made, get_args(Equations), get_args(OfRobot), "a robot", "give the folder of a run")
+        made._check(get_args(Equations), get_args(OfRobot), "a robot", "give the folder of a run")
         return made
 
     def of_run(self) -> "ExportCfg":
         """With the defaults for a run. Raises ValueError for options of a robot, or that misfit."""
         made = replace(self, what=self.what or "joint-correction", to=self.to or "csv")
-        _check(made, get_args(Form), get_args(OfRun), "a run", "leave the run out")
+        made._check(get_args(Form), get_args(OfRun), "a run", "leave the run out")
         if (form := FORM_OF.get(str(made.to), made.what)) != made.what:
             raise ValueError(f"{made.to} messages hold a {form}: give --what {form}")
         if made.to in FORM_OF and made.rate not in (None, CYCLE):
             raise ValueError(f"{made.to} has {CYCLE:g} Hz, got {made.rate:g}")
         return made
 
-
-def _check(
-    cfg: ExportCfg, what: tuple[str, ...], to: tuple[str, ...], of: str, advice: str
-) -> None:
-    for name, given, allowed in (("what", cfg.what, what), ("to", cfg.to, to)):
-        if given not in allowed:
-            text = f"--{name} of {of} is {', '.join(allowed)}, got {given}"
-            raise ValueError(f"{text}: {advice} for that")
+    def _check(self, what: tuple[str, ...], to: tuple[str, ...], of: str, advice: str) -> None:
+        for name, given, allowed in (("what", self.what, what), ("to", self.to, to)):
+            if given not in allowed:
+                text = f"--{name} of {of} is {', '.join(allowed)}, got {given}"
+                raise ValueError(f"{text}: {advice} for that")
 
 
 def export(
@@ -144,18 +138,22 @@ def _export_robot(report: Report, cfg: ExportCfg, common: Common) -> None:
     with checking_input():
         cfg = cfg.of_robot()
         files, operations = _files(cfg)
-    outcome = summary("export", cfg, common, files=sorted(files), operations=operations)
-    report.texts(files, outcome)
-    if operations is not None:
-        report.line(f"{operations} operations after sharing")
-    report.summary(outcome)
+    report.texts(
+        files,
+        summary("export", cfg, common, files=sorted(files), operations=operations),
+        *([] if operations is None else [f"{operations} operations after sharing"]),
+    )
 
 
 def _files(cfg: ExportCfg) -> tuple[dict[str, str], int | None]:
     named, what = str(cfg.robot), str(cfg.what)
     word = Path(named.partition("#")[0]).stem
     if cfg.to in ("urdf", "mjcf"):
-        return _robot(named, word, cfg.to), None
+        from armside.kinematics.codegen.robot_xml import mjcf, urdf
+
+        arm, bodies, notes = load_robot(named, masses=True)
+        write, ending = (urdf, "urdf") if cfg.to == "urdf" else (mjcf, "xml")
+        return {f"{word}.{ending}": write(*arm, bodies, notes)}, None
     from armside.kinematics.codegen import Language, write
     from armside.kinematics.equations import forward_kinematics, imu_equations
 
@@ -164,14 +162,6 @@ def _files(cfg: ExportCfg) -> tuple[dict[str, str], int | None]:
     program = getattr(home, what.replace("-", "_"))(robot)
     name = re.sub(r"\W|^(?=\d)", "_", f"{word}_{program.name}", flags=re.ASCII)
     return write(program, Language(cfg.to), name), program.operations
-
-
-def _robot(named: str, word: str, to: str) -> dict[str, str]:
-    from armside.kinematics.codegen.robot_xml import mjcf, urdf
-
-    arm, bodies, notes = load_robot(named, masses=True)
-    write, ending = (urdf, "urdf") if to == "urdf" else (mjcf, "xml")
-    return {f"{word}.{ending}": write(*arm, bodies, notes)}
 
 
 def _export_correction(report: Report, run: Path, cfg: ExportCfg, common: Common) -> None:
@@ -190,11 +180,9 @@ def _export_correction(report: Report, run: Path, cfg: ExportCfg, common: Common
     found = {"run": run, "written": file, "largest": float(np.abs(stored.correction).max())}
     found |= {"k": stored.k, "law": stored.law, "rate": rate, "samples": len(joints)}
     found["notes"] = notes = [*beyond, *notes]
-    outcome = summary("export", cfg, common, **found)
-    keep(outcome, common)
+    line = f"{file}: {len(joints)} samples of {names} at {rate:g} Hz, k = {stored.k}"
     report.notes(notes)
-    report.line(f"{file}: {len(joints)} samples of {names} at {rate:g} Hz, k = {stored.k}")
-    report.summary(outcome)
+    report.kept(summary("export", cfg, common, **found), line)
 
 
 def _export_program(report: Report, run: Path, into: Path, cfg: ExportCfg, common: Common) -> None:
@@ -229,12 +217,9 @@ def _export_program(report: Report, run: Path, into: Path, cfg: ExportCfg, commo
         write_bytes(each, text.content.encode("latin-1"))
     found = {key: value for key, value in vars(made).items() if key != "texts"}
     found["notes"] = notes = [*beyond, *notes]
-    outcome = summary("export", cfg, common, run=run, written=file, **found)
-    keep(outcome, common)
     report.notes(notes)
-    report.line(f"{file}: {made.changed} of {made.targets} targets changed")
-    report.line(made.line)
-    report.summary(outcome)
+    outcome = summary("export", cfg, common, run=run, written=file, **found)
+    report.kept(outcome, f"{file}: {made.changed} of {made.targets} targets changed", made.line)
 
 
 def _cell(cfg: ExportCfg, stored: StoredCorrection) -> "Cell | None":
@@ -253,21 +238,16 @@ def _cell(cfg: ExportCfg, stored: StoredCorrection) -> "Cell | None":
 def _let_through(
     run: Path, cfg: ExportCfg, stored: StoredCorrection, cell: "Cell | None"
 ) -> tuple[list[str], list[str]]:
-    """What the gate lets through by its name, and notes on what it could not check.
-
-    Raises InputError for what it holds back.
-    """
+    """What the gate lets through by its name, and notes on what it could not check. Raises
+    InputError for what it holds back."""
     found, unchecked = dict(stored.ended), list[str]()
     if stored.unit != "rad" and cfg.robot is None:
         unchecked.append("of an own plant: neither the correction nor a range is checked")
     else:
         limits = None if cell is None else GuidanceLimits.of_cell(cell)
+        slides, path = () if cell is None else cell.robot.slides, stored.reference
         found |= exceeded(
-            stored.correction,
-            stored.sample_time,
-            path=stored.reference,
-            limits=limits,
-            slides=() if cell is None else cell.robot.slides,
+            stored.correction, stored.sample_time, path=path, limits=limits, slides=slides
         )
         if cell is None:
             unchecked.append("no robot is known: ranges and speeds of its joints are not checked")
@@ -298,7 +278,12 @@ def _write(
     if to in FORM_OF:
         if set(units) != {"rad"}:
             raise InputError(f"{to} messages hold angles, these axes have {', '.join(units)}")
-        write_bytes(file, _messages(to, joints, beyond))
+        if to == "rsi":
+            content = correction_export.rsi_lines(joints, beyond)
+        else:
+            with needs("controllers", "EGM", "protobuf"):
+                content = correction_export.egm_messages(joints)
+        write_bytes(file, content)
         return f"{joints.shape[1]} axes [deg]"
     if form != "tool-path":
         found = correction_export.joint_columns(joints, form, units)
@@ -311,10 +296,3 @@ def _write(
     notes = {key: json.dumps(value) for key, value in about.items()}
     write_table(file, correction_export.table(found, rate, notes))
     return f"{len(found)} columns"
-
-
-def _messages(protocol: str, joints: "Array", beyond: Sequence[str]) -> bytes:
-    if protocol == "rsi":
-        return correction_export.rsi_lines(joints, beyond)
-    with needs("controllers", "EGM", "protobuf"):
-        return correction_export.egm_messages(joints)

@@ -67,15 +67,6 @@ class GearsOptions(IndividualCfg, BagCfg):
         given = {name: value for name in names if (value := getattr(self, name)) is not None}
         return replace(start, per_joint=self.terms, sensor=self.measure or start.sensor, **given)
 
-    def refuse_virtual(self) -> None:
-        """Raise ValueError for options of a virtual robot, where recordings are given."""
-        own = ("pose", "runs", "individual", "temperature")
-        given = [name for name in own if getattr(self, name) is not None]
-        given += [name for name in ("friction_drift", "without") if getattr(self, name)]
-        if given:
-            said = given[0].replace("_", "-")
-            raise ValueError(f"{said} is of a virtual robot: give no recordings with it")
-
 
 def gears(*data: Path, cfg: GearsOptions, common: Common = Common()) -> None:
     """Find the transmission error of an arm's gears, without knowing their ratios.
@@ -114,7 +105,12 @@ def _recordings(
     if len(data) > LARGEST_NUMBER:
         raise ValueError(f"give at most {LARGEST_NUMBER} folders of recordings, got {len(data)}")
     if data:
-        cfg.refuse_virtual()
+        own = ("pose", "runs", "individual", "temperature")
+        given = [name for name in own if getattr(cfg, name) is not None]
+        given += [name for name in ("friction_drift", "without") if getattr(cfg, name)]
+        if given:
+            said = given[0].replace("_", "-")
+            raise ValueError(f"{said} is of a virtual robot: give no recordings with it")
         topics = cfg.topics()
         return load_robot(cfg.robot).arm, [read_motion(one, topics) for one in data]
     if given := [name for name in sorted(BAG_FIELDS) if getattr(cfg, name)]:

@@ -102,9 +102,11 @@ def identify_plant(
 
     report = Report(common)
     with checking_input():
-        made = _record(record, cfg, common)
-        _refuse_long(made, cfg)
-        fresh = None
+        made, fresh = _record(record, cfg, common), None
+        n, states = len(made.u), cfg.largest_order * (1 + made.y.shape[1])
+        fits = len(cfg.structures) + cfg.band_fits / 30.0
+        effort = Effort(n * fits * cfg.largest_order**2 * SECONDS, 8.0 * n * 40 * states)
+        refuse_absurd(f"fits of order {cfg.largest_order} to {n} samples", effort)
         if cfg.validation is not None:
             fresh = read_input_output(cfg.validation, made.u.shape[1], cfg.sample_time)
             fresh = fresh if cfg.from_rest else fresh.centred
@@ -152,11 +154,3 @@ def _record(file: Path | None, cfg: IdentifyPlantCfg, common: Common) -> "InputO
         return excited(task, cfg.column, rms, highest, cfg.periods, rng)
     finally:
         task.close()
-
-
-def _refuse_long(made: "InputOutput", cfg: IdentifyPlantCfg) -> None:
-    n, states = len(made.u), cfg.largest_order * (1 + made.y.shape[1])
-    fits = len(cfg.structures) + cfg.band_fits / 30.0
-    seconds = n * fits * cfg.largest_order**2 * SECONDS
-    what = f"fits of order {cfg.largest_order} to {n} samples"
-    refuse_absurd(what, Effort(seconds, 8.0 * n * 40 * states))

@@ -27,7 +27,9 @@ def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
     Writes convergence.png, eigenloci of coupled models, a correction a law as CSV, reference.csv,
     state.npz (for --from) and summary.json.
     """
+    from armside.ilc.workbench.compare import run_law, setting_of
     from armside.ilc.workbench.own import OwnCodeError
+    from armside.ilc.workbench.predicted import predicted_loci
     from armside.sim.controller.gate import GateError
 
     from ..workbench.plant_option import is_folder, named_task
@@ -37,69 +39,52 @@ def learn(*, cfg: LearnCfg = LearnCfg(), common: Common = Common()) -> None:
         with checking_input():
             cfg, common, before = starts(cfg, common)
             by_hand = is_folder(cfg)
-            followed = None if before is None else before.followed
-            task = None if by_hand else named_task(cfg, common.seed, followed)
+            task = None if by_hand else named_task(cfg, common.seed, before.followed)
         if task is None:
             _by_hand(cfg, common, report)
             return
         with closing(task):
             with checking_input():
                 _check_laws(cfg, task, before)
-            runs = _runs(cfg, common, task, before, report)
-            record = (task.reference, task.sample_time)
-            loci = _loci(cfg, task)
+            cases = list(product(cfg.laws, cfg.noise, range(cfg.repeats)))
+            with report.progress("learning", total=len(cases) * (cfg.iterations + 1)) as step:
+                runs = [
+                    run_law(
+                        task,
+                        law,
+                        cfg.iterations,
+                        seed=common.seed,
+                        noise=noise,
+                        repetition=repetition,
+                        resume=before.state(law, noise, repetition),
+                        start=before.correction(law, task),
+                        step=step,
+                    )
+                    for law, noise, repetition in cases
+                ]
+            record, setting = (task.reference, task.sample_time), setting_of(task)
+            loci = {law: each for law in cfg.laws if (each := predicted_loci(law, setting))}
     except (OwnCodeError, GateError) as error:
         raise RunFailed(str(error)) from error
     _finish(cfg, common, report, runs, record, before, loci)
 
 
-def _loci(cfg: LearnCfg, task: "Task") -> "dict[str, Eigenloci]":
-    from armside.ilc.workbench.compare import setting_of
-    from armside.ilc.workbench.predicted import predicted_loci
-
-    found = {law: predicted_loci(law, setting_of(task)) for law in cfg.laws}
-    return {law: each for law, each in found.items() if each is not None}
-
-
-def _check_laws(cfg: LearnCfg, task: "Task", before: Starts | None) -> None:
+def _check_laws(cfg: LearnCfg, task: "Task", before: Starts) -> None:
     """Build each law once before any work is done."""
     from armside.ilc.workbench.compare import setting_of
     from armside.ilc.workbench.laws import build_law
 
     for law in cfg.laws:
         build_law(law, setting_of(task)).check(*task.reference.shape)
-        start = None if before is None else before.correction(law, task)
+        start = before.correction(law, task)
         if start is not None and start.shape != task.reference.shape:
             shapes = f"{start.shape}, this task needs {task.reference.shape}"
             raise ValueError(f"the correction of {cfg.start} has the shape {shapes}")
         if start is not None:
             task.check(start)
-        for case in product(cfg.noise, range(cfg.repeats) if before else ()):
-            if before and (state := before.state(law, *case)) is not None:
+        for case in product(cfg.noise, range(cfg.repeats)):
+            if (state := before.state(law, *case)) is not None:
                 state.loop.check(task.reference.shape, task.reference.shape)
-
-
-def _runs(
-    cfg: LearnCfg, common: Common, task: "Task", before: Starts | None, report: Report
-) -> "list[LawRun]":
-    from armside.ilc.workbench.compare import run_law
-
-    cases = list(product(cfg.laws, cfg.noise, range(cfg.repeats)))
-    with report.progress("learning", total=len(cases) * (cfg.iterations + 1)) as step:
-        return [
-            run_law(
-                task,
-                law,
-                cfg.iterations,
-                seed=common.seed,
-                noise=noise,
-                repetition=repetition,
-                resume=None if before is None else before.state(law, noise, repetition),
-                start=None if before is None else before.correction(law, task),
-                step=step,
-            )
-            for law, noise, repetition in cases
-        ]
 
 
 def _by_hand(cfg: LearnCfg, common: Common, report: Report) -> None:
@@ -117,7 +102,7 @@ def _by_hand(cfg: LearnCfg, common: Common, report: Report) -> None:
         report.summary(summary("learn", cfg, common, status="waiting", k=state.k))
         return
     record = (session.reference, session.folder.sample_time)
-    _finish(cfg, common, report, [session.result(state)], record, None, {})
+    _finish(cfg, common, report, [session.result(state)], record, Starts(), {})
 
 
 def _finish(
@@ -126,7 +111,7 @@ def _finish(
     report: Report,
     runs: "list[LawRun]",
     record: "tuple[Array, float]",
-    before: Starts | None,
+    before: Starts,
     loci: "dict[str, Eigenloci]",
 ) -> None:
     from ..figures.convergence import draw_convergence
@@ -140,7 +125,7 @@ def _finish(
         cfg,
         common,
         status="diverged" if diverged else "done",
-        started_from=None if before is None else before.entry,
+        started_from=before.entry,
         laws=[results.row(run) for run in runs],
         notes=worse,
         eigenloci={
@@ -154,8 +139,7 @@ def _finish(
         for i, (law, each) in enumerate(loci.items()):
             draw_eigenloci(folder / f"eigenloci-{i + 1}.png", law, each, record[1])
         notes = results.write(folder, runs, *record)
-    if before is not None:
-        report.line(before.line)
+    report.lines(before.lines)
     results.show(report, title, runs)
     for law, each in loci.items():
         report.line(f"Eigenloci of {law}: largest modulus {each.spectral_radius:.3g}")

@@ -28,7 +28,7 @@ from armside.sim.records.tables import read_table
 from armside.sim.robot.kinematics_check import cell_model
 from armside.sim.robot_file.find import check_named, find_cell
 
-from ..shell.console import Report, keep
+from ..shell.console import Report
 from ..shell.errors import checking_input
 from ..shell.options import SOME, Common, FileToRead, Limits, check_limits, options
 
@@ -99,31 +99,29 @@ def measure(file: Path, /, *, cfg: MeasureCfg = MeasureCfg(), common: Common = C
                 rows = measure_table(read, ratios, curve, limits)
                 said = notes_of_table(read)
     outcome = summary("measure", cfg, common, file=file, iterations=rows, notes=said)
-    keep(outcome, common)
     report.notes(said)
     show(report, rows)
-    report.summary(outcome)
+    report.kept(outcome)
 
 
 def show(report: Report, rows: Sequence[IterationMeasures]) -> None:
     """Table of the measures that are there; what no iteration has is left out and named."""
-    columns = [
-        (f"motor {i + 1}", [1e3 * float(row.motor_inf[i]) for row in rows])
-        for i in range(len(rows[0].motor_inf))
-    ]
-    arm = [("arm RMS", [1e6 * r.arm_rms for r in rows])]
-    arm += [("arm max", [1e6 * r.arm_maxdev for r in rows])]
-    there = [(name, values) for name, values in columns + arm if np.isfinite(values).any()]
-    names = [name for name, _ in there]
+    motors = [f"motor {i + 1}" for i in range(len(rows[0].motor_inf))]
+    of_motors = 1e3 * np.array([row.motor_inf for row in rows], dtype=float)
+    of_tool = 1e6 * np.array([(row.arm_rms, row.arm_maxdev) for row in rows])
+    columns = dict(zip([*motors, "arm RMS", "arm max"], [*of_motors.T, *of_tool.T], strict=True))
+    there = {name: values for name, values in columns.items() if np.isfinite(values).any()}
     titles = (("motor", MOTORS), ("arm", TOOL))
-    title = ", ".join(text for kind, text in titles if any(n.startswith(kind) for n in names))
-    table: list[list[Any]] = [[r.k, *(v[i] for _, v in there)] for i, r in enumerate(rows)]
+    title = ", ".join(text for kind, text in titles if any(n.startswith(kind) for n in there))
+    table: list[list[Any]] = [
+        [row.k, *(float(values[i]) for values in there.values())] for i, row in enumerate(rows)
+    ]
     if there:
         some = "too few samples in that run"
-        report.table(title[0].upper() + title[1:], ["k", *names], table, missing=some)
-    if absent := [name for name, _ in columns if name not in names]:
+        report.table(title[0].upper() + title[1:], ["k", *there], table, missing=some)
+    if absent := [name for name in motors if name not in there]:
         report.line(f"Not measured: {', '.join(absent)}, without samples")
-    if "arm RMS" not in names:
+    if "arm RMS" not in there:
         report.line(f"Not measured: the tool. {NO_TOOL}")
 
 
@@ -136,10 +134,8 @@ def limits_of(robot: Any) -> JointLimits | None:
 
 
 def gears(cfg: MeasureCfg, table: pa.Table) -> np.ndarray:
-    """Gear ratios given, or those of the robot; none for data of a tracker alone.
-
-    Raises ValueError if the robot has other motors.
-    """
+    """Gear ratios given, or those of the robot; none for data of a tracker alone. Raises ValueError
+    if the robot has other motors."""
     if cfg.gear:
         return np.array(cfg.gear)
     names = table.column_names

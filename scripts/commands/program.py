@@ -10,7 +10,7 @@ from armside.sim.controller.programs import ProgramText, read_program_file, rows
 from armside.sim.motion.instructions import MoveL, Wait
 from armside.sim.records.summary import summary
 
-from ..shell.console import Report, keep
+from ..shell.console import Report
 from ..shell.errors import checking_input
 from ..shell.options import Common, check_read
 
@@ -29,10 +29,13 @@ def program(action: Action, file: File, /, *, common: Common = Common()) -> None
     with checking_input():
         found = described(read_program_file(file))
     outcome = summary("program", {"action": action, "file": file}, common, **found)
-    keep(outcome, common)
-    report.lines(_lines(found))
-    report.table("Rows of linear moves [mm], [mm/s]", ROW, [_cells(row) for row in found["rows"]])
-    report.summary(outcome)
+    report.kept(outcome, *_lines(found))
+    rows = []
+    for row in found["rows"]:
+        spacing, zone, speed = (row[key] for key in ("spacing", "zones", "speeds"))
+        mm = [1e3 * value for value in (*spacing, zone[1], speed[1])]
+        rows.append([*row["lines"], row["targets"], *mm, row["blocks_per_second"]])
+    report.table("Rows of linear moves [mm], [mm/s]", ROW, rows)
 
 
 ROW = ["line", "to", "targets", "spacing", "", "", "zone", "speed", "blocks/s"]
@@ -94,9 +97,3 @@ def _lines(found: dict[str, Any]) -> list[str]:
             for name, known in names.items()
         ]
     return lines
-
-
-def _cells(row: dict[str, Any]) -> list[Any]:
-    spacing, zone, speed = (row[key] for key in ("spacing", "zones", "speeds"))
-    mm = [1e3 * value for value in (*spacing, zone[1], speed[1])]
-    return [*row["lines"], row["targets"], *mm, row["blocks_per_second"]]

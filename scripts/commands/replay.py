@@ -11,7 +11,7 @@ from cyclopts.validators import Number
 from armside.sim.records import StoredRun, read_run
 from armside.sim.records.summary import summary
 
-from ..shell.console import Report, keep
+from ..shell.console import Report
 from ..shell.errors import InputError, checking_input
 from ..shell.options import Common, FileToWrite, options
 from ..viewers.web_viewer import check_display, serve, show
@@ -57,7 +57,11 @@ def replay(*runs: Runs, cfg: ReplayCfg = ReplayCfg(), common: Common = Common())
     report = Report(common)
     with checking_input():
         stored = _opened(runs, cfg)
-        shots = _shots(stored, cfg)
+        shots: list[Shots] = []
+        if cfg.png is not None or cfg.video is not None:
+            from armside.sim.replay import film
+
+            shots = [film.stored_shots(run) for run in stored]
     written = [file for file in (cfg.save, cfg.png, cfg.video) if file is not None]
     if cfg.web or cfg.save is not None or not written:
         _write_and_show(stored, cfg, report)
@@ -72,8 +76,7 @@ def replay(*runs: Runs, cfg: ReplayCfg = ReplayCfg(), common: Common = Common())
                 film.film(cfg.video, shots[0], cfg.magnification, step)
             report.line(f"Film in {cfg.video}")
     outcome = summary("replay", cfg, common, runs=list(runs), written=written)
-    keep(outcome, common)
-    report.summary(outcome)
+    report.kept(outcome)
 
 
 def _opened(runs: tuple[Path, ...], cfg: ReplayCfg) -> list[StoredRun]:
@@ -103,14 +106,6 @@ def _opened(runs: tuple[Path, ...], cfg: ReplayCfg) -> list[StoredRun]:
     if not (cfg.web or cfg.save or cfg.png or cfg.video):
         check_display("use --web for a browser, or --save, --png, --video for files")
     return stored
-
-
-def _shots(stored: list[StoredRun], cfg: ReplayCfg) -> "list[Shots]":
-    if cfg.png is None and cfg.video is None:
-        return []
-    from armside.sim.replay import film
-
-    return [film.stored_shots(run) for run in stored]
 
 
 def _write_and_show(stored: list[StoredRun], cfg: ReplayCfg, report: Report) -> None:

@@ -11,7 +11,7 @@ from armside.sim.records.atomic import write_whole
 from armside.sim.records.run_folder import RUNS
 from armside.sim.records.summary import dumps, summary
 
-from ..jobs.store import Store, missing, run_batch
+from ..jobs.store import Store, digest, missing, run_batch
 from ..jobs.workers import Workers
 from ..shell.console import Report
 from ..shell.errors import InputError, checking_input
@@ -112,7 +112,7 @@ def reproduce(
     store = Store(folder.results)
     wanted = [job for part in parts.values() for job in part.jobs]
     jobs = missing(wanted, store)
-    n_known = len({store.file(job) for job in wanted}) - len(jobs)
+    n_known = len(set(map(digest, wanted))) - len(jobs)
     config = summary("reproduce", {"ids": list(parts)} | _changed(cfg), common)["config"]
     versions = {program: str(number) for program, number in config["versions"].items()}
     folder.begin(config)
@@ -142,9 +142,7 @@ def reproduce(
 
 def _parts(ids: Sequence[str], cfg: JointCfg, common: ReportOptions) -> dict[str, Part]:
     """Parts of the sections of these names; of a chapter on real arms those whose files are there.
-
-    Raises InputError for names and options that are not allowed, and where no part is left.
-    """
+    Raises InputError for names and options that are not allowed, and where no part is left."""
     asked, parts = Asked(common.seed, common.data, cfg.study()), dict[str, Part]()
     chosen = entries.select(ids)
     if asked.study is not None:

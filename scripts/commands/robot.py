@@ -21,7 +21,7 @@ from ..figures.robot_tables import (
     print_description,
     table_of,
 )
-from ..shell.console import Report, keep, run_folder
+from ..shell.console import Report, run_folder
 from ..shell.errors import RunFailed, checking_input
 from ..shell.options import Common, check_read, options
 
@@ -86,6 +86,9 @@ def robot(
     report = Report(common)
     with checking_input():
         cfg.check(action)
+    named, other = cfg.robot or "large", model
+    if model is not None and model.suffix == ".toml":
+        named, other = str(model), None
     if action == "new":
         _new(model, cfg, report, common)
     elif action == "model":
@@ -93,19 +96,13 @@ def robot(
     elif action == "build":
         _build(str(model or cfg.robot or "large"), report, common)
     elif action == "show":
-        _show(*_named(model, cfg), report, common)
+        _show(named, other, report, common)
     elif action == "view":
         from ..viewers.sliders import view_robot
 
-        view_robot(*_named(model, cfg))
+        view_robot(named, other)
     else:
-        _check(*_named(model, cfg), report, common)
-
-
-def _named(model: Path | None, cfg: RobotCfg) -> tuple[str, Path | None]:
-    if model is not None and model.suffix == ".toml":
-        return str(model), None
-    return cfg.robot or "large", model
+        _check(named, other, report, common)
 
 
 def _describe(named: str, cfg: RobotCfg, report: Report, common: Common) -> None:
@@ -144,9 +141,9 @@ def _check(named: str, model: Path | None, report: Report, common: Common) -> No
     found["checks"] = [asdict(check) | {"holds": check.holds} for check in checks]
     print_check(report, found, checks)
     failed = [check for check in checks if not check.holds]
-    outcome = _summary("check", named, model, common, found, "failed" if failed else "done")
-    keep(outcome, common)
-    report.summary(outcome)
+    found["status"] = "failed" if failed else "done"
+    outcome = _summary("check", named, model, common, found)
+    report.kept(outcome)
     if failed:
         fail = ", ".join(f"{check.statement} is {check.ours:.4g}" for check in failed)
         axis = examined.first_axis
@@ -179,9 +176,7 @@ def _build(named: str, report: Report, common: Common) -> None:
         examined = Examination(cell_model(cell), cell)
         files = built_files(cell, Path(named).stem)
     found = {"files": sorted(files), "estimates": estimates_of(examined)}
-    outcome = _summary("build", named, None, common, found)
-    report.texts(files, outcome)
-    report.summary(outcome)
+    report.texts(files, _summary("build", named, None, common, found))
 
 
 def _new(model: Path | None, cfg: RobotCfg, report: Report, common: Common) -> None:
@@ -191,19 +186,12 @@ def _new(model: Path | None, cfg: RobotCfg, report: Report, common: Common) -> N
         source = template() if model is None else read_source(model, cfg.tip)
         files = {"robot.toml": commented(source)}
     found = {"files": sorted(files), "axes": source.arm.robot.n_joints, "assumed": source.assumed}
-    outcome = _summary("new", source.origin, model, common, found)
     report.notes([source.assumed] if source.assumed else [])
-    report.texts(files, outcome)
-    report.summary(outcome)
+    report.texts(files, _summary("new", source.origin, model, common, found))
 
 
 def _summary(
-    action: str,
-    named: str,
-    model: Path | None,
-    common: Common,
-    found: dict[str, Any],
-    status: str = "done",
+    action: str, named: str, model: Path | None, common: Common, found: dict[str, Any]
 ) -> dict[str, Any]:
     asked = {"action": action, "model": model, "robot": named}
-    return summary("robot", asked, common, status=status, **found)
+    return summary("robot", asked, common, **{"status": "done"} | found)

@@ -1,7 +1,7 @@
 """`armside serve`: the virtual robot behind the protocol of a robot controller."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -75,7 +75,7 @@ def serve(*, cfg: ServeCfg = ServeCfg(), common: Common = Common()) -> None:
     host, port = server.client
     pace = "in real time" if cfg.real_time else "as fast as the client answers"
     report.line(f"Speaking {cfg.protocol.upper()} to {host}:{port}, {pace}. Ctrl-C ends it.")
-    interrupted = _run(cfg, server, controller, _news(report, server, controller, records))
+    interrupted = _run(cfg, server, controller, report, records)
     outcome = summary(
         "serve",
         cfg,
@@ -97,34 +97,11 @@ def serve(*, cfg: ServeCfg = ServeCfg(), common: Common = Common()) -> None:
     rows = [(i, row["seconds"], row["missed"], row["motor_rms"]) for i, row in enumerate(records)]
     report.table("Runs", columns, rows[-20:])
     if cfg.real_time:
-        report.line(_of_time(server))
+        late = f"{server.late} answers came after their cycle or twice"
+        most = f"cycles began at most {1e3 * server.longest:.2g} ms late"
+        unfair = "" if server.prioritised else " (the system grants no real-time priority)"
+        report.line(f"Real time: {late}; {most}{unfair}")
     report.results(outcome, folder.path)
-
-
-def _of_time(server: "Server") -> str:
-    late = f"{server.late} answers came after their cycle or twice"
-    said = f"Real time: {late}; cycles began at most {1e3 * server.longest:.2g} ms late"
-    return said if server.prioritised else f"{said} (the system grants no real-time priority)"
-
-
-def _news(
-    report: Report, server: "Server", controller: "VirtualController", runs: list[dict[str, Any]]
-) -> Callable[[], None]:
-    """Prints what has come since the last call, a line each."""
-    sources = (
-        (server.clients, lambda client: f"Client at {client[0]}:{client[1]}"),
-        (server.wrong, lambda reason: f"Not a message: {reason}"),
-        (controller.refusals, lambda reason: f"Refused: {reason}"),
-        (runs, _told),
-    )
-    printed = [0] * len(sources)
-
-    def news() -> None:
-        for i, (found, line) in enumerate(sources):
-            report.lines(line(one) for one in found[printed[i] :])
-            printed[i] = len(found)
-
-    return news
 
 
 def _told(run: Any) -> str:
@@ -135,12 +112,28 @@ def _told(run: Any) -> str:
 
 
 def _run(
-    cfg: ServeCfg, server: "Server", controller: "VirtualController", news: Callable[[], None]
+    cfg: ServeCfg,
+    server: "Server",
+    controller: "VirtualController",
+    report: Report,
+    runs: list[dict[str, Any]],
 ) -> bool:
-    """Serve to the end that the options name. True if Ctrl-C ended it."""
+    """Serve to the end that the options name, and print what comes, a line each. True if Ctrl-C
+    ended it."""
     from armside.sim.controller import Phase
 
-    heard = time.monotonic()
+    sources: tuple[tuple[Sequence[Any], Callable[[Any], str]], ...] = (
+        (server.clients, lambda client: f"Client at {client[0]}:{client[1]}"),
+        (server.wrong, lambda reason: f"Not a message: {reason}"),
+        (controller.refusals, lambda reason: f"Refused: {reason}"),
+        (runs, _told),
+    )
+    printed, heard = [0] * len(sources), time.monotonic()
+
+    def news() -> None:
+        for i, (found, line) in enumerate(sources):
+            report.lines(line(one) for one in found[printed[i] :])
+            printed[i] = len(found)
 
     def over() -> bool:
         nonlocal heard
@@ -172,8 +165,7 @@ def _server(cfg: ServeCfg, controller: "VirtualController") -> "Server":
             from armside.sim.controller.egm import EgmWire
 
             wire = EgmWire()
-    port = PORTS[cfg.protocol] if cfg.port is None else cfg.port
-    client = resolved(cfg.host, port)
+    client = resolved(cfg.host, PORTS[cfg.protocol] if cfg.port is None else cfg.port)
     return Server(controller, wire, client, real_time=cfg.real_time)
 
 
@@ -211,7 +203,6 @@ def _controller(
 def _row(run: "Recording", missed: int, guided: bool) -> dict[str, Any]:
     import numpy as np
 
-    asked = run.reference + run.correction if guided else run.reference
-    error = asked - run.motor_angle
+    error = (run.reference + run.correction if guided else run.reference) - run.motor_angle
     rms = float(np.sqrt(np.mean(error**2)))
     return {"seconds": float(run.time[-1]), "missed": missed, "motor_rms": rms}

@@ -15,7 +15,7 @@ from ..jobs.dataset import Dataset, first_error, noted
 from ..jobs.grid import parse, run_grid
 from ..jobs.queue import FAILED, KNOWN_FAILED
 from ..jobs.workers import RayCluster, Workers
-from ..shell.console import Report, keep
+from ..shell.console import Report
 from ..shell.effort import Effort, refuse_absurd
 from ..shell.errors import RunFailed, checking_input
 from ..shell.options import Common, Count, Folder, options
@@ -96,15 +96,13 @@ def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) ->
     found = {"configurations": len(points), "outcomes": outcomes}
     found["notes"] = [{"text": note, "configurations": n_noted}] if n_noted else []
     outcome = summary("sweep", asked, common, status=status, **found)
-    keep(outcome, common)
     if len(points) < len(grid):
         report.line(f"{len(grid)} combinations, of which {len(points)} are different")
     counted = ", ".join(f"{n} {status}" for status, n in outcomes.items())
     report.line(f"{len(points)} configurations: {counted}")
     if n_noted:
         report.line(f"Note: limits changed {n_noted} of them (column notes), mostly: {note}")
-    report.line(f"Results in {rows.folder}/part-0.parquet")
-    report.summary(outcome)
+    report.kept(outcome, f"Results in {rows.folder}/part-0.parquet")
     if error is not None:
         raise RunFailed(
             f"{n_failed} of {len(points)} configurations failed, the first with {error} "

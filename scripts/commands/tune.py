@@ -58,7 +58,9 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
         seeds = seed_range(common.seed, cfg.episodes + (0 if cfg.alone else OTHERS))
         _refuse_absurd(cfg)
         rules = cfg.rules
-        objective_of, imu = _objective(cfg)
+        objective_of, imu = Objective, None
+        if cfg.measure != "motor":  # which needs a unit at the tool
+            objective_of, imu = partial(ToolObjective, source=Source(cfg.measure)), ImuCfg()
         jobs = prepare(rules, seeds, cfg.fixed, imu)
         if cfg.measure != "motor":
             tool_path(Source(cfg.measure)).assumed(jobs[0].experiment)
@@ -111,13 +113,6 @@ def tune(*, cfg: TuneCfg = TuneCfg(), common: Common = Common()) -> None:
     report.notes(found["notes"])
     tables(report, outcome, folder.path)
     report.summary(outcome)
-
-
-def _objective(cfg: TuneCfg) -> tuple[Callable[..., Objective], ImuCfg | None]:
-    """What is searched on, and the unit at the tool that it needs."""
-    if cfg.measure == "motor":
-        return Objective, None
-    return partial(ToolObjective, source=Source(cfg.measure)), ImuCfg()
 
 
 def _from_nominal(cfg: TuneCfg, seed: int, report: Report, check: Check) -> list[Design]:

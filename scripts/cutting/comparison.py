@@ -96,14 +96,16 @@ def refuse_absurd_comparison(cfg: CompareCfg, n_cases: int) -> None:
 
 
 def starts_of(before: Earlier[CompareCfg], number: int, case: Case) -> dict[str, Start]:
-    """Start of each loop of a case. InputError where it was not cut at this pose.
-
-    number: of the case.
-    """
+    """Start of each loop of a case, by its number. InputError where it was not cut at this pose."""
     if before.goes_on:
         return dict(_states(before, number))
-    cases = cases_of(before.options, before.seed)
-    same = _same_place(before, cases, case)
+    # The earlier case at this pose, by preference at this speed and limit.
+    cases, cut = cases_of(before.options, before.seed), case.cut
+    at = {i: each.cut for i, each in enumerate(cases) if each.cut.pose == cut.pose}
+    if not at:
+        known = ", ".join(dict.fromkeys(str(each.cut.pose) for each in cases))
+        raise InputError(f"{before.run.folder} has no cut at {cut.pose}. It has: {known}")
+    same = min(at, key=lambda i: (at[i].speed != cut.speed) + (at[i].limits != cut.limits))
     old, new = (each.experiment().motion for each in (cases[same], case))
     return {name: before.taken(state, old, new) for name, state in _states(before, same).items()}
 
@@ -115,21 +117,6 @@ def _states(before: Earlier[CompareCfg], number: int) -> dict[str, RunState]:
         for name, state in before.states.items()
         if name.startswith(f"{number} ") and state is not None
     }
-
-
-def _same_place(before: Earlier[CompareCfg], cases: Sequence[Case], case: Case) -> int:
-    """Number of the earlier case at this pose, by preference at this speed and limit."""
-    cut, poses = case.cut, [each.cut.pose for each in cases]
-    at = [i for i, pose in enumerate(poses) if pose == cut.pose]
-    if not at:
-        known = ", ".join(dict.fromkeys(map(str, poses)))
-        raise InputError(f"{before.run.folder} has no cut at {cut.pose}. It has: {known}")
-
-    def differences(i: int) -> int:
-        other = cases[i].cut
-        return (other.speed != cut.speed) + (other.limits != cut.limits)
-
-    return min(at, key=differences)
 
 
 def save_states_of(folder: RunFolder, found: Sequence[Mapping[str, Sequence[Iteration]]]) -> None:

@@ -41,9 +41,7 @@ class Ready:
 
     def corrected_by(self, twin: Path | None) -> "Ready":
         """With a first run that the twin of a folder corrects, unless it has a start already.
-
-        Raises ValueError for a folder without a twin, or one of another robot.
-        """
+        Raises ValueError for a folder without a twin, or one of another robot."""
         if twin is None:
             return self
         from armside.sim.twin.first_cut import first_cut
@@ -63,16 +61,13 @@ class Ready:
         if self.earlier is not None:
             entry = self.earlier.entry
             if self.earlier.changed:
-                entry["uncorrected"] = iteration_row(self.uncorrected())
+                fresh = prepare(self.experiment.cut, seed=self.experiment.seed)
+                first = next(iterate(fresh, self.measure.prepare(fresh), 0))
+                entry["uncorrected"] = iteration_row(first)
             return {"started_from": entry}, []
         if self.by_twin is not None:
             return {"predicted": self.by_twin.predicted}, self.by_twin.notes
         return {}, []
-
-    def uncorrected(self) -> Iteration:
-        """The first run without correction."""
-        fresh = prepare(self.experiment.cut, seed=self.experiment.seed)
-        return next(iterate(fresh, self.measure.prepare(fresh), 0))
 
     def show(self, report: Report, outcome: Mapping[str, Any]) -> None:
         """Print what it started from."""
@@ -88,10 +83,8 @@ class Ready:
 
 
 def ready(cut: Setup, measure: Measure, seed: int, before: Earlier | None = None) -> Ready:
-    """An experiment before its first run. Raises ValueError for what cannot be done.
-
-    before: earlier run to start from.
-    """
+    """An experiment before its first run, from an earlier one if given. Raises ValueError for what
+    cannot be done."""
     experiment = prepare(cut, seed=seed)
     measure.prepare(experiment)  # raises for a robot that it cannot serve
     start = None if before is None else before.start(experiment.motion)
@@ -99,10 +92,8 @@ def ready(cut: Setup, measure: Measure, seed: int, before: Earlier | None = None
 
 
 def run(cfg: LaserCfg, seed: int) -> dict[str, Any]:
-    """Prepare, run and learn: status, limits and measures, as `results` arranges them.
-
-    With a twin also `predicted`, as `armside laser` has it.
-    """
+    """Status, limits and measures of a cut that is learned, as `results` arranges them; with a twin
+    also `predicted`, as `armside laser` has it."""
     made = ready(cut(cfg), measure(cfg), seed).corrected_by(cfg.twin)
     of_tool = cfg.measure != "motor"
     found = results(made.experiment, made.iterations(cfg.iterations), of_tool=of_tool)
@@ -110,11 +101,9 @@ def run(cfg: LaserCfg, seed: int) -> dict[str, Any]:
 
 
 def predicted_line(predicted: Mapping[str, Any], rows: list[dict[str, Any]]) -> str:
-    """What was predicted of the first run and what was measured, in one line.
-
-    The interval is that of a run with the correction: of one that is not used it is not printed,
-    nor is one that was not fitted to twins by that sensor and of so few cuts.
-    """
+    """What was predicted of the first run and what was measured. The interval is that of a run with
+    the correction: it is not printed where that is not used, nor where it was not fitted to twins
+    by that sensor and of so few cuts."""
     first, uncorrected = rows[0]["arm_rms"], f"{1e6 * predicted['uncorrected']:.0f} um"
     seen = "not measured" if first is None else f"{1e6 * first:.1f} um"
     if not predicted["trusted"]:

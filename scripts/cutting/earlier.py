@@ -1,7 +1,8 @@
 """An earlier run as a start: gone on from, or its corrections taken to what has changed."""
 
-from collections.abc import Collection, Mapping
-from dataclasses import MISSING, dataclass, field, fields, replace
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Annotated, Any, Generic, TypeVar, get_type_hints
 
@@ -19,11 +20,10 @@ from ..shell.options import Common, options
 
 STATE, KEY = "state.npz", "learning"
 """File with the states that a run can be gone on from, and the entry of a run with one loop."""
-FREE = ("iterations", "repetitions", "plan_only", "imu", "wait", "start", "beyond")
+FREE = ("iterations", "repetitions", "plan_only", "wait", "start", "beyond")
 """Options that a run does not take over from an earlier one."""
 BY_AXIS = "Axis by axis, arm-side angles of the motors at the same place of the contour"
 """Rule by which a correction is taken to another robot."""
-ENDED = "diverged"
 Cfg = TypeVar("Cfg")
 
 
@@ -38,7 +38,7 @@ class FromCfg:
     correction is taken to the changed robot, payload or speed, and learning starts from there."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Earlier(Generic[Cfg]):
     """What an earlier run leaves to start from."""
 
@@ -68,18 +68,14 @@ class Earlier(Generic[Cfg]):
         return found
 
     def start(self, motion: Motion) -> Array | RunState:
-        """Start of a cut: a state, or (N, n) [rad], the last correction on a motion.
-
-        Raises InputError for another path.
-        """
+        """Start of a cut: a state, or (N, n) [rad], the last correction on a motion. Raises
+        InputError for another path."""
         state = self.state()
         return state if self.goes_on else self.taken(state, self.run.path, motion)
 
     def taken(self, state: RunState, before: Motion, motion: Motion) -> Array:
-        """(N, n) [rad], a correction taken from one motion to another.
-
-        Raises InputError where they follow different paths.
-        """
+        """(N, n) [rad], a correction taken from one motion to another. Raises InputError where they
+        follow different paths."""
         try:
             anywhere = "robot" in self.changed
             return carried(state.loop.correction, before, motion, anywhere=anywhere)
@@ -112,23 +108,21 @@ class Earlier(Generic[Cfg]):
 def started(
     start: Path | None, experiment: str, cfg: Cfg, common: Common
 ) -> tuple[Cfg, Common, Earlier[Cfg] | None]:
-    """As `earlier`, where there is one. Raises InputError where no results can be written."""
+    """Options with those of the earlier run where none were given, and what it left. Raises
+    InputError where no results can be written, for a folder that is no such run, one that diverged
+    or stored no state, or options that do not go together."""
     check_writable(common.out or RUNS / experiment)
-    return (cfg, common, None) if start is None else earlier(start, experiment, cfg, common)
-
-
-def earlier(
-    start: Path, experiment: str, cfg: Cfg, common: Common
-) -> tuple[Cfg, Common, Earlier[Cfg]]:
-    """Options with those of the earlier run where none were given, and what it left.
-
-    Raises InputError for a folder that is no such run, one that diverged or stored no state, or
-    options that do not go together.
-    """
+    if start is None:
+        return cfg, common, None
     run = read_run(start)
     if run.experiment != experiment:
         raise InputError(f"{start} is a run of {run.experiment}, not of {experiment}")
-    _refuse_diverged(run)
+    for row in run.summary.get("comparisons", ()):
+        if row["diverged"]:
+            lost = f"learning from {row['measure']} diverged at {row['pose']}"
+            raise InputError(f"{run.folder} cannot be started from: {lost}")
+    if experiment != "learn" and run.summary["status"] == "diverged":
+        raise InputError(f"{run.folder} ended with status diverged: there is nothing to start from")
     stored = run.summary["config"]
     try:
         used, before, given = merged(cfg, stored)
@@ -152,24 +146,9 @@ def earlier(
     states = read_states(run.file(STATE))
     if not any(states.values()):
         raise InputError(f"{start} kept no state to start from")
-    left = Earlier(
-        run=run,
-        states=states,
-        options=before,
-        seed=old_seed,
-        changed=tuple(changed),
-        repeats=getattr(used, "iterations", 1) == 0,
-    )
+    repeats = getattr(used, "iterations", 1) == 0
+    left = Earlier(run, states, before, old_seed, tuple(changed), repeats)
     return used, replace(common, seed=seed), left
-
-
-def _refuse_diverged(run: StoredRun) -> None:
-    for row in run.summary.get("comparisons", ()):
-        if row["diverged"]:
-            lost = f"learning from {row['measure']} diverged at {row['pose']}"
-            raise InputError(f"{run.folder} cannot be started from: {lost}")
-    if run.experiment != "learn" and run.summary["status"] == ENDED:
-        raise InputError(f"{run.folder} ended with status {ENDED}: there is nothing to start from")
 
 
 def refuse_other_axes(start: Path, robot: str, other: str) -> None:
@@ -185,20 +164,15 @@ def _axes(slides: tuple[bool, ...]) -> str:
     return f"{len(slides)} axes" + (f", axis {' and '.join(sliding)} sliding" if sliding else "")
 
 
-def merged(
-    cfg: Cfg, stored: Mapping[str, Any], free: Collection[str] = FREE
-) -> tuple[Cfg, Cfg, list[str]]:
-    """Options as given now, elsewhere those of an earlier run as its summary has them.
-
-    Returns also those of the earlier run, and the names of options that were given.
-
-    Raises TypeError or ValueError for options that do not go together.
-    """
+def merged(cfg: Cfg, stored: Mapping[str, Any]) -> tuple[Cfg, Cfg, list[str]]:
+    """Options as given now, elsewhere those of an earlier run as its summary has them; those of
+    that run; and the names of options that were given. Raises TypeError or ValueError for options
+    that do not go together."""
     kind: Any = type(cfg)
     names = [each.name for each in fields(kind) if each.name in stored]
     before = kind(**{name: _typed(kind, name, stored[name]) for name in names})
     given = _given(cfg)
-    taken = {name: getattr(before, name) for name in _given(before) if name not in free}
+    taken = {name: getattr(before, name) for name in _given(before) if name not in FREE}
     return kind(**taken | {name: getattr(cfg, name) for name in given}), before, given
 
 
@@ -206,14 +180,11 @@ def _given(cfg: Any) -> list[str]:
     """Names of options that are not what their defaults make of the others."""
     found = []
     for each in fields(cfg):
-        default = each.default if each.default is not MISSING else None
-        try:
-            derived = getattr(replace(cfg, **{each.name: default}), each.name)
-        except ValueError:  # the default does not fit the others: it was given
-            found.append(each.name)
-            continue
-        if derived != getattr(cfg, each.name):
-            found.append(each.name)
+        with suppress(ValueError):  # where the default does not fit the others, it was given
+            usual = replace(cfg, **{each.name: each.default})
+            if getattr(usual, each.name) == getattr(cfg, each.name):
+                continue
+        found.append(each.name)
     return found
 
 

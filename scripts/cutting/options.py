@@ -59,21 +59,16 @@ class IndividualCfg:
 
 
 def robot_state(cfg: IndividualCfg) -> dict[str, Any]:
-    """Fields of `armside.sim.laser.Cut` of the options, in SI.
-
-    Raises ValueError or OSError for a file of an individual that cannot be used.
-    """
+    """Fields of `armside.sim.laser.Cut` of the options, in SI. Raises ValueError or OSError for a
+    file of an individual that cannot be used."""
     chosen = cfg.individual
+    drawn = Drawn(chosen) if isinstance(chosen, int) else None
     return {
-        "individual": read_individual(chosen) if isinstance(chosen, Path) else _drawn(chosen),
+        "individual": read_individual(chosen) if isinstance(chosen, Path) else drawn,
         "friction_drift": cfg.friction_drift * 1e-2,
         "temperature": cfg.temperature,
         "without": tuple(Effect(name) for name in cfg.without),
     }
-
-
-def _drawn(number: int | None) -> Drawn | None:
-    return None if number is None else Drawn(number)
 
 
 @options
@@ -87,10 +82,7 @@ class KnownGearsCfg(IndividualCfg):
 
 
 def known_state(cfg: KnownGearsCfg, robot: Robot) -> dict[str, Any]:
-    """Fields of `armside.sim.laser.Cut` of the options, in SI.
-
-    Raises ValueError or OSError for a file that cannot be used, or one of another robot.
-    """
+    """Likewise, with what is known of the gears. Raises also for a file of another robot."""
     terms = () if cfg.gears is None else read_gear_file(cfg.gears, robot)
     return robot_state(cfg) | {"gear_error": terms}
 

@@ -126,11 +126,8 @@ def drawing(file: Path | None, before: Earlier | None) -> Path:
 
 
 def part_cut(file: Path, cfg: CutCfg) -> "PartCut":
-    """A drawing in its cell, in SI.
-
-    Raises ValueError for a drawing that cannot be cut, with the place, or an unknown pose, and
-    InputError for one that would take too long.
-    """
+    """A drawing in its cell, in SI. Raises ValueError for one that cannot be cut, with the place,
+    or an unknown pose, and InputError for one that would take too long."""
     unit = None if cfg.units is None else Unit(cfg.units)
     try:
         from armside.sim.laser.part_cut import PartCut

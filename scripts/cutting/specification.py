@@ -132,9 +132,7 @@ def contour(cfg: ContourCfg) -> ClosedCurve:
 
 def dimensions(cfg: ContourCfg) -> dict[str, float]:
     """Sizes that the shape has [mm] by option, defaults filled in; a contour's corner if given.
-
-    Raises ValueError for sizes that the shape has not.
-    """
+    Raises ValueError for sizes that the shape has not."""
     own = ("corner",) if cfg.contour else _OWN[cfg.shape]
     what = "contour from a file" if cfg.contour else cfg.shape
     for name, not_given in _NOT_GIVEN.items():

@@ -16,7 +16,7 @@ from dataclasses import fields
 from functools import cache, cached_property
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 import pyarrow as pa
 import pyarrow.compute as pc
@@ -66,11 +66,8 @@ class Dataset:
         return self._before.get(key) if row is None else row["status"]
 
     def add(self, row: Row) -> None:
-        """Store a row: once this returns, a killed process does not lose it.
-
-        Raises ValueError for a row that the schema cannot hold, and OSError, such as on a full
-        disk.
-        """
+        """Store a row: once this returns, a killed process does not lose it. Raises ValueError for
+        a row that the schema cannot hold, and OSError, such as on a full disk."""
         if (reason := _misfit(row)) is not None:
             raise ValueError(f"a result cannot be kept: {reason}")
         file = self._file(row["key"])
@@ -95,23 +92,20 @@ class Dataset:
         """Bring the Parquet file up to all rows. Raises OSError, and as `read`."""
         if not self._files():
             return
-        claims = Claims(self.folder)
-        while not claims.take("part-0"):  # another process is gathering, and may lack our last rows
+        claims, target = Claims(self.folder), self.folder / "part-0.parquet"
+        while not claims.take(target.stem):  # another process gathers, and may lack our last rows
             time.sleep(POLL)
         try:
-            self._gather()
+            parts, rows = self._parts(), _table(self._files())
+            older = _read(parts, schema().names)
+            older = older.filter(pc.invert(pc.is_in(older["key"], rows["key"])))  # pyright: ignore[reportAttributeAccessIssue]
+            with atomic(target) as partial:
+                pq.write_table(pa.concat_tables([rows, older]).sort_by("key"), partial)
+            for part in set(parts) - {target}:  # of an older version
+                part.unlink()
         finally:
-            claims.close()
+            claims.drop()
         self._gathered = time.monotonic()
-
-    def _gather(self) -> None:
-        target, parts, names = self.folder / "part-0.parquet", self._parts(), schema().names
-        older, rows = _read(parts, names), _table(self._files())
-        older = older.filter(pc.invert(pc.is_in(older["key"], rows["key"])))  # pyright: ignore[reportAttributeAccessIssue]
-        with atomic(target) as partial:
-            pq.write_table(pa.concat_tables([rows, older]).sort_by("key"), partial)
-        for part in set(parts) - {target}:  # of an older version
-            part.unlink()
 
     @cached_property
     def _before(self) -> dict[str, str]:
@@ -133,13 +127,11 @@ class Dataset:
 def schema() -> pa.Schema:
     """Key, outcome, the options of `armside laser`, error that a twin predicts of the first run,
     and a list over the runs for each measure."""
-    hints = get_type_hints(LaserCfg, include_extras=False)
-    options = [(f.name, _arrow(hints[f.name])) for f in fields(LaserCfg)]
-    numbers = pa.list_(pa.float64())
+    hints, numbers = get_type_hints(LaserCfg), pa.list_(pa.float64())
     columns = [
         *((name, pa.string()) for name in ("key", "status", "error")),
         ("seed", pa.int64()),
-        *options,
+        *((field.name, _arrow(hints[field.name])) for field in fields(LaserCfg)),
         ("predicted", pa.float64()),
         ("reached_speed", pa.float64()),
         ("limits_hit", pa.int64()),
@@ -176,14 +168,12 @@ def noted(rows: Dataset, keys: Collection[str]) -> tuple[int, str]:
     """Number of these configurations that have notes, and the most common first note; "" if none
     has. Raises as `Dataset.read`."""
     found = rows.read(["key", "notes"]).to_pylist()
-    firsts = Counter(row["notes"][0] for row in found if row["key"] in keys and row.get("notes"))
-    return firsts.total(), next((text for text, _ in firsts.most_common(1)), "")
+    firsts = Counter(row["notes"][0] for row in found if row["key"] in keys and row["notes"])
+    return firsts.total(), max(firsts, key=firsts.__getitem__, default="")
 
 
 def _arrow(hint: Any) -> pa.DataType:
     origin, inner = get_origin(hint), get_args(hint)
-    if origin is Annotated:
-        return _arrow(inner[0])
     if origin in (Union, UnionType):
         parts = [part for part in inner if part is not type(None)]
         return _arrow(parts[0]) if len(parts) == 1 else pa.string()

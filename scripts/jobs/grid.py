@@ -104,11 +104,9 @@ class Grid:
 
 
 def parse(words: Sequence[str], seed: int) -> Grid:
-    """A grid from the words of a command line; `seed` where no axis gives any.
-
-    Raises InputError for an axis that is no option of `armside laser`, is there twice or has a
-    value that the option does not take, alone or beside any of the other axes' values.
-    """
+    """A grid from the words of a command line; `seed` where no axis gives any. Raises InputError
+    for an axis that is no option of `armside laser`, is there twice or has a value that the option
+    does not take, alone or beside any of the other axes' values."""
     axes: dict[str, Sequence[Any]] = {}
     written: dict[Item, str] = {}
     for word in words:
@@ -207,10 +205,8 @@ def run_grid(
     retry_failed: bool = False,
     waiting: Callable[[int], None] = lambda n: None,
 ) -> Counter[str]:
-    """Bring a dataset up to all points of a grid; `step` is called for each that has a row.
-
-    The rest, the returned counts and the errors are those of `queue.complete`.
-    """
+    """Bring a dataset up to all points of a grid; `step` is called for each that has a row. The
+    rest, the returned counts and the errors are those of `queue.complete`."""
     try:
         return complete(
             {point.key: point for point in points},

@@ -18,13 +18,6 @@ KNOWN, KNOWN_FAILED = "known", "known (failed)"
 """Outcomes of jobs whose results were there before."""
 
 
-class Job(Protocol):
-    """A frozen dataclass that can run itself, in any process."""
-
-    def run(self) -> Any:
-        """Its result: arrays for a `Store`, a row for a sweep."""
-
-
 class Results(Protocol):
     """A folder with one result a file. What it holds under a key is never half of a result."""
 
@@ -36,8 +29,8 @@ class Results(Protocol):
         ...
 
     def keep(self, key: str, job: Any, outcome: Any) -> str:
-        """Store the outcome of a job, its result or an exception, and return its status. A killed
-        process does not lose what was stored. Raises OSError, such as on a full disk."""
+        """Store the outcome of a job, its result or an exception, so that a killed process does not
+        lose it, and return its status. Raises OSError, such as on a full disk."""
         ...
 
 
@@ -63,19 +56,15 @@ class Claims:
         self._locks[key] = lock
         return True
 
-    def drop(self, key: str) -> None:
-        """Let others have a job."""
-        (self._folder / key).unlink(missing_ok=True)
-        os.close(self._locks.pop(key))
-
-    def close(self) -> None:
-        """Let others have all jobs."""
-        for key in list(self._locks):
-            self.drop(key)
+    def drop(self, *keys: str) -> None:
+        """Let others have these jobs; all where none is given."""
+        for key in keys or list(self._locks):
+            (self._folder / key).unlink(missing_ok=True)
+            os.close(self._locks.pop(key))
 
 
 def complete(
-    jobs: Mapping[str, Job],
+    jobs: Mapping[str, Any],
     results: Results,
     engine: Engine,
     *,
@@ -83,22 +72,18 @@ def complete(
     retry_failed: bool = False,
     waiting: Callable[[int], None] = lambda n: None,
 ) -> Counter[str]:
-    """Bring a folder up to all jobs, by key, started in their order.
+    """Bring a folder up to all jobs, by key, started in their order: objects whose `run()` is their
+    result, in any process. The number of jobs by status: that of their new results, and `known` or
+    `known (failed)` for those that were there before.
 
-    Args:
-        done: called with the key of each job that has an outcome.
-        retry_failed: run jobs again that have failed before.
-        waiting: called once nothing is left to do but to wait for others, with the number of jobs
-            that they have claimed.
-
-    Returns:
-        The number of jobs by status: that of their new results, and `known` or `known (failed)`
-        for those that were there before.
+    done: called with the key of each job that has an outcome. retry_failed: run jobs again that
+    have failed before. waiting: called once nothing is left to do but to wait for others, with the
+    number of jobs that they have claimed.
 
     Raises OSError where the folder cannot be written to. What was stored before stays.
     """
-    counts, claims, told = Counter[str](), Claims(results.folder), False
-    left, held = dict(jobs), dict[str, Job]()
+    counts, claims, announced = Counter[str](), Claims(results.folder), False
+    left, held = dict(jobs), dict[str, Any]()
 
     def known(key: str) -> bool:
         status = results.status(key)
@@ -108,7 +93,7 @@ def complete(
         done(key)
         return True
 
-    def ours() -> Iterator[tuple[str, Job]]:
+    def ours() -> Iterator[tuple[str, Any]]:
         for key, job in left.items():
             if known(key):
                 continue
@@ -121,21 +106,20 @@ def complete(
 
     try:
         while left:
-            for (key, job), outcome in engine.results(run, ours()):
+            for (key, job), outcome in engine.results(_run, ours()):
                 counts[results.keep(key, job, outcome)] += 1
                 claims.drop(key)
                 done(key)
-            if held and not told:
-                waiting(len(held))
-                told = True
             if held:
+                if not announced:
+                    waiting(len(held))
+                announced = True
                 time.sleep(POLL)
             left, held = held, {}
     finally:
-        claims.close()
+        claims.drop()
     return counts
 
 
-def run(pair: tuple[str, Job]) -> Any:
-    """The result of a job."""
+def _run(pair: tuple[str, Any]) -> Any:
     return pair[1].run()

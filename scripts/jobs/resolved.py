@@ -37,11 +37,9 @@ REMEMBERED = 4096
 
 
 def content_of(name: str, path: Path) -> str:
-    """Hash of the content of an option's file, and of the files that a model includes.
-
-    Raises InputError for a model that is none, TwinError for a folder without a twin, OSError for a
-    file that cannot be read.
-    """
+    """Hash of the content of an option's file, and of the files that a model includes. Raises
+    InputError for a model that is none, TwinError for a folder without a twin, OSError for a file
+    that cannot be read."""
     if name == "twin":
         from armside.sim.twin.twin import digest
 
@@ -90,10 +88,8 @@ def resolved(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
 
 
 def identity(cfg: LaserCfg, content: Content = content_of) -> dict[str, Any]:
-    """Everything a run depends on but its seed: resolved options, and the content of files.
-
-    Raises as `resolved` and `content`.
-    """
+    """Everything a run depends on but its seed: resolved options, and the content of files. Raises
+    as `resolved` and `content`."""
     what = resolved(cfg, content)
     if what["identification"]:  # it is known by how its place was written
         what["identified_at"] = plain((cfg.pose, cfg.position, cfg.quaternion))
@@ -111,16 +107,13 @@ def _content_of_robot(cfg: LaserCfg, content: Content) -> str:
 
 class _Known(NamedTuple):
     cfg: LaserCfg | None
-    identity: dict[str, Any]
-    """See `identity`; the options themselves if they are refused."""
+    identity: dict[str, Any]  # the options themselves if they are refused
     error: str
 
 
 class Resolver:
-    """Resolves the configurations of one grid: each once, whatever its seeds, and each file once.
-
-    The options of its methods are those of `armside laser` that are not left out.
-    """
+    """Resolves the configurations of one grid, options of `armside laser` that are not left out:
+    each once, whatever its seeds, and each file once."""
 
     def __init__(self) -> None:
         self._content = cache(content_of)
@@ -136,27 +129,22 @@ class Resolver:
         """Why options cannot be run, as far as is known before the robot moves; empty if they can
         be."""
         known = self._known(tuple(options.items()))
-        if known.cfg is not None:
-            try:
-                asked = cut(known.cfg)
-                if wrong := self._wrong_geometry(known.cfg):
-                    return wrong
-                if known.cfg.twin is not None:
-                    from armside.sim.twin.twin import stored_twin
+        if (cfg := known.cfg) is None:
+            return known.error
+        try:
+            asked, content = cut(cfg), _content_of_robot(cfg, self._content)
+            if cfg.model is not None:
+                content += self._content("model", cfg.model)
+            source = cfg.model or cfg.cell.xml
+            if content and (wrong := _geometry_error(cfg.robot, source, content)):
+                return wrong
+            if cfg.twin is not None:
+                from armside.sim.twin.twin import stored_twin
 
-                    stored_twin(known.cfg.twin).check(asked)
-            except (ValueError, OSError) as error:
-                return one_line(error)
+                stored_twin(cfg.twin).check(asked)
+        except (ValueError, OSError) as error:
+            return one_line(error)
         return known.error
-
-    def _wrong_geometry(self, cfg: LaserCfg) -> str:
-        """Why the model is not that of the robot; empty if it is."""
-        content = _content_of_robot(cfg, self._content)
-        if cfg.model is not None:
-            content += self._content("model", cfg.model)
-        if not content:
-            return ""
-        return _geometry_error(cfg.robot, cfg.model or cfg.cell.xml, content)
 
     def _resolve(self, items: tuple[tuple[str, Any], ...]) -> _Known:
         options, cfg = dict(items), None
@@ -180,10 +168,8 @@ def _rounded(pose: ToolPose) -> tuple[tuple[float, ...], tuple[float, ...]]:
 
 @cache
 def _of_model(source: Path, content: str) -> dict[str, float | None]:
-    """Payload [kg] and temperature [deg C] of a robot's file; None where it has none.
-
-    content: of that file, where it may change.
-    """
+    """Payload [kg] and temperature [deg C] of a robot's file; None where it has none. content: of
+    that file, where it may change."""
     model = load_model(source)
     tool = mujoco.mj_name2id(model.mj, mujoco.mjtObj.mjOBJ_BODY, "tool")
     warm = Effect.LOAD_FRICTION in available(model)
@@ -211,19 +197,15 @@ def digest_of_file(file: Path) -> str:
 
 def model_content(file: Path) -> str:
     """Hash of an MJCF and of the files that it includes. Raises InputError for one that is none."""
-    check_file(file)
     try:
-        parts = mujoco.mju_getXMLDependencies(str(file))
+        parts = mujoco.mju_getXMLDependencies(str(check_file(file)))
     except mujoco.FatalError as error:
         raise InputError(f"{file} is not a usable MJCF model: {error}") from error
     return _together([digest_of_file(file), *sorted(digest_of_file(Path(part)) for part in parts)])
 
 
 def robot_content(file: str | Path) -> str:
-    """Hash of a robot file, and of the MJCF and URDF that it names.
-
-    Raises ValueError or OSError for a file that is none, or names none.
-    """
+    """Hash of a robot file, and of the MJCF and URDF that it names. Raises ValueError, OSError."""
     file = Path(file)
     xml, urdf = read_cell(file).xml, read_toml(file, lambda data: data.get("urdf"))
     parts = [digest_of_file(file), model_content(xml)]

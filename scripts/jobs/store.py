@@ -23,7 +23,6 @@ from armside.sim.records.atomic import atomic
 from armside.sim.records.summary import plain
 
 from ..shell.errors import RunFailed, one_line
-from . import queue
 from .queue import DONE, FAILED, complete
 from .workers import Engine, WorkerDied
 
@@ -34,83 +33,65 @@ OURS = Path(armside.__file__).parent
 PACKAGES = ("assets", "kinematics", "ilc", "sim", "scripts")
 _SUFFIXES = (".py", ".xml", ".toml", ".json", ".npz")
 """Of code, robots, motion programs, designs and policies."""
-_DIGITS = 24
-_UNREADABLE = (OSError, ValueError, KeyError, EOFError, BadZipFile)
 
 
-class Job(queue.Job, Protocol):
-    """A job that results in arrays."""
+class Job(Protocol):
+    """A frozen dataclass that results in arrays."""
 
     @property
     def cost(self) -> float:
         """Relative; for the order of jobs and the time left."""
         ...
 
+    def run(self) -> Result:
+        """Its result, in any process."""
+        ...
+
 
 class Store:
-    """Results of jobs in one folder, made when the first is saved: a file DIGEST.npz each."""
+    """Results of jobs in one folder, made when the first is kept: a file DIGEST.npz each."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.errors = dict[str, Exception]()
         """Of the jobs that failed in this process, by key."""
 
-    def file(self, job: Job) -> Path:
-        """Where the result of a job is, or will be."""
-        return self._file(digest(job))
-
-    def holds(self, job: Job) -> bool:
-        """A complete result is there; a damaged file counts as none, wherever it is damaged."""
-        return self.status(digest(job)) is not None
-
     def load(self, job: Job) -> Result:
-        """The result of a job that is held."""
-        return _arrays(self.file(job))
-
-    def save(self, job: Job, result: Result) -> None:
-        """Write a result whole. Raises OSError, e.g. on a full disk, leaving no part of it."""
-        self._write(digest(job), result)
+        """The result of a job that has one."""
+        return self._arrays(digest(job))
 
     def status(self, key: str) -> str | None:
-        """See `queue.Results`."""
+        """See `queue.Results`; a file that is damaged anywhere counts as none."""
         try:
-            _arrays(self._file(key))
-        except _UNREADABLE:
+            self._arrays(key)
+        except (OSError, ValueError, KeyError, EOFError, BadZipFile):
             return None
         return DONE
 
-    def keep(self, key: str, job: Job, outcome: Any) -> str:
+    def keep(self, key: str, job: Job, outcome: Result | Exception) -> str:
         """See `queue.Results`; of an exception nothing is stored."""
         if isinstance(outcome, Exception):
             self.errors[key] = outcome
             return FAILED
-        self._write(key, outcome)
+        self.folder.mkdir(parents=True, exist_ok=True)
+        with atomic(self.folder / f"{key}.npz") as partial, open(partial, "wb") as file:
+            np.savez(file, **outcome)  # type: ignore[arg-type]
         return DONE
 
-    def _file(self, key: str) -> Path:
-        return self.folder / f"{key}.npz"
-
-    def _write(self, key: str, result: Result) -> None:
-        self.folder.mkdir(parents=True, exist_ok=True)
-        with atomic(self._file(key)) as partial, open(partial, "wb") as file:
-            np.savez(file, **result)  # type: ignore[arg-type]
-
-
-def _arrays(file: Path) -> Result:
-    with open(file, "rb") as stream, npz(stream) as arrays:
-        return {name: arrays[name] for name in arrays.files}
+    def _arrays(self, key: str) -> Result:
+        with open(self.folder / f"{key}.npz", "rb") as stream, npz(stream) as arrays:
+            return {name: arrays[name] for name in arrays.files}
 
 
 def digest(job: Job) -> str:
     """Names a job and all that its result depends on."""
     kind = type(job)
-    return digest_of(
-        {
-            "job": f"{kind.__module__}.{kind.__qualname__}",
-            "config": plain(job),
-            "code": code_fingerprint(kind.__module__),
-        }
-    )[:_DIGITS]
+    of = {
+        "job": f"{kind.__module__}.{kind.__qualname__}",
+        "config": plain(job),
+        "code": code_fingerprint(kind.__module__),
+    }
+    return digest_of(of)[:24]
 
 
 def digest_of(configuration: Any) -> str:
@@ -136,8 +117,9 @@ def code_fingerprint(module: str = armside.__name__) -> str:
 
 def missing(jobs: Iterable[Job], store: Store) -> list[Job]:
     """Jobs without a result, each once, the longest first: so that no core waits at the end."""
-    distinct = {digest(job): job for job in jobs if not store.holds(job)}
-    return sorted(distinct.values(), key=lambda job: -job.cost)
+    distinct = {digest(job): job for job in jobs}
+    left = [job for key, job in distinct.items() if store.status(key) is None]
+    return sorted(left, key=lambda job: -job.cost)
 
 
 def run_batch(
@@ -147,22 +129,19 @@ def run_batch(
     workers: Engine,
     done: Callable[[float], None] = lambda cost: None,
 ) -> None:
-    """Run jobs that no other process has run or is running; `done` gets the cost of each.
-
-    Raises:
-        RunFailed: a worker was killed, or jobs failed. Everything that finished is stored.
-        OSError: a result could not be written. Those before it are stored.
-    """
+    """Run jobs that no other process has run or is running; `done` gets the cost of each. Raises
+    RunFailed where a worker was killed or jobs failed, and OSError where a result could not be
+    written. Everything that finished is stored."""
     by_key = {digest(job): job for job in jobs}
     complete(by_key, store, workers, done=lambda key: done(by_key[key].cost))
-    failed = {key: error for key, error in store.errors.items() if key in by_key}
+    failed = [(by_key[key], error) for key, error in store.errors.items() if key in by_key]
     if not failed:
         return
-    n, n_failed, (key, error) = len(jobs), len(failed), next(iter(failed.items()))
+    n, n_failed, (job, error) = len(jobs), len(failed), failed[0]
     where = f"{n - n_failed} of {n} experiments finished and are kept in {store.folder.parent}"
     if isinstance(error, WorkerDied):
         raise RunFailed(f"{error}; {where}") from error
     raise RunFailed(
         f"{n_failed} of {n} experiments failed, the first with "
-        f"{type(error).__name__}: {one_line(error)} ({by_key[key]}); {where}"
+        f"{type(error).__name__}: {one_line(error)} ({job}); {where}"
     ) from error

@@ -7,7 +7,9 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
+from contextlib import suppress
 from functools import partial
+from itertools import islice
 from typing import Any, Protocol, TypeVar
 
 from loky import ProcessPoolExecutor
@@ -56,9 +58,7 @@ class Workers:
 
     def __init__(self, count: int | None = None) -> None:
         """count: number of processes, all cores if None."""
-        self.count = cores() if count is None else count
-        if self.count < 1:
-            raise ValueError(f"workers must be >= 1, got {self.count}")
+        self.count = count or cores()
         self._pool: ProcessPoolExecutor | None = None
 
     def __enter__(self) -> "Workers":
@@ -72,20 +72,25 @@ class Workers:
     ) -> Iterator[tuple[Item, Any]]:
         """See `Engine`. Which task has killed a process is not known: those that were under way
         are run again at the end, one at a time, and one that is killed again is `WorkerDied`."""
-        waiting, suspects = iter(items), list[Item]()
-        running = dict[Future[Any], Item]()
-        try:
-            while _fill(running, self.count, waiting, partial(self._submit, function)):
+        suspects, running = list[Item](), dict[Future[Any], Item]()
+
+        def outcomes(count: int, waiting: Iterator[Item]) -> Iterator[tuple[Item, Any]]:
+            while _fill(running, count, waiting, partial(self._submit, function)):
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
-                    item, outcome = running.pop(future), _outcome(future)
-                    if isinstance(outcome, BrokenProcessPool):
-                        suspects.append(item)
-                    else:
-                        yield item, outcome
-            for item in suspects:
-                running = {self._submit(function, item): item}
-                outcome = _outcome(next(iter(running)))
-                running.clear()
+                    item = running.pop(future)
+                    try:
+                        outcome = future.result()
+                    except Exception as error:
+                        outcome = error
+                    yield item, outcome
+
+        try:
+            for item, outcome in outcomes(self.count, iter(items)):
+                if isinstance(outcome, BrokenProcessPool):
+                    suspects.append(item)
+                else:
+                    yield item, outcome
+            for item, outcome in outcomes(1, iter(suspects)):
                 yield item, WorkerDied() if isinstance(outcome, BrokenProcessPool) else outcome
         finally:
             if running:
@@ -98,19 +103,14 @@ class Workers:
                 pool.shutdown(kill_workers=True)
 
     def _submit(self, function: Callable[[Item], Any], item: Item) -> Future[Any]:
+        begin = partial(ProcessPoolExecutor, self.count, initializer=_begin_worker)
         with noticing(lambda: ""):  # a pool that is half started could not be stopped
-            try:
-                return self._started().submit(function, item)
-            except BrokenProcessPool:
+            for _ in range(2):
+                self._pool = self._pool or begin(initargs=(os.getpid(),))
+                with suppress(BrokenProcessPool):
+                    return self._pool.submit(function, item)
                 self.close()
-                return self._started().submit(function, item)
-
-    def _started(self) -> ProcessPoolExecutor:
-        if self._pool is None:
-            self._pool = ProcessPoolExecutor(
-                self.count, initializer=_begin_worker, initargs=(os.getpid(),)
-            )
-        return self._pool
+        raise WorkerDied
 
 
 class RayCluster:
@@ -127,7 +127,7 @@ class RayCluster:
             ray.init(address=address, log_to_driver=False, logging_level="ERROR")
         except (ConnectionError, RuntimeError, ValueError, OSError) as error:
             raise InputError(f"no Ray cluster answers at {address}: {one_line(error)}") from error
-        self._call = ray.remote(num_cpus=1, max_retries=RETRIES)(_call)
+        self._call = ray.remote(num_cpus=1, max_retries=RETRIES)(lambda call, item: call(item))
 
     def results(
         self, function: Callable[[Item], Any], items: Iterable[Item]
@@ -152,25 +152,10 @@ class RayCluster:
 def _fill(
     running: dict[Any, Item], room: int, waiting: Iterator[Item], submit: Callable[[Item], Any]
 ) -> bool:
-    """Start what can start; whether anything is under way."""
-    while len(running) < room:
-        try:
-            item = next(waiting)
-        except StopIteration:
-            break
+    """Start what can start, no more than `room` at a time; whether anything is under way."""
+    for item in islice(waiting, max(0, room - len(running))):
         running[submit(item)] = item
     return bool(running)
-
-
-def _outcome(future: Future[Any]) -> Any:
-    try:
-        return future.result()
-    except Exception as error:
-        return error
-
-
-def _call(function: Callable[[Any], Any], item: Any) -> Any:
-    return function(item)
 
 
 def _knock(address: str) -> None:

@@ -80,9 +80,7 @@ class Report:
         missing: str = "",
     ) -> None:
         """A table on stdout, folded to the width of the terminal: 80 columns, or COLUMNS, if none.
-
-        missing: reason for a number that is not there, printed below a table that lacks one.
-        """
+        missing: reason for a number that is not there, printed below a table that lacks one."""
         for table in folded(Console(), title, columns, rows):
             self._print(table)
         if missing and any(cell(value) == NOTHING for row in rows for value in row):
@@ -103,13 +101,24 @@ class Report:
         self.line(f"Results in {path}")
         self.summary(summary)
 
-    def texts(self, files: Mapping[str, str], summary: dict[str, Any]) -> None:
-        """Write texts by the names of their files beside the summary, and name them."""
+    def kept(self, summary: dict[str, Any], *texts: object) -> None:
+        """The end of a command that writes no other files: lines, and the summary into `--out` and
+        for `--json`, where they are given."""
+        if self.common.out is not None:
+            with run_folder(summary, self.common):
+                pass
+        self.lines(texts)
+        self.summary(summary)
+
+    def texts(self, files: Mapping[str, str], summary: dict[str, Any], *more: str) -> None:
+        """Write texts by the names of their files beside the summary, and name them: the end of a
+        command."""
         with run_folder(summary, self.common) as folder:
             for name, text in files.items():
                 (folder / name).parent.mkdir(exist_ok=True)
                 (folder / name).write_text(text, encoding="utf-8")
-        self.lines(folder.path / name for name in files)
+        self.lines([*(folder.path / name for name in files), *more])
+        self.summary(summary)
 
     def line(self, text: str) -> None:
         """One line on stdout."""
@@ -135,13 +144,6 @@ def run_folder(summary: dict[str, Any], common: Common) -> Iterator[RunFolder]:
         yield folder
 
 
-def keep(summary: dict[str, Any], common: Common) -> None:
-    """Write a summary into the folder `--out`, for commands that write no other files."""
-    if common.out is not None:
-        with run_folder(summary, common):
-            pass
-
-
 def cell(value: Any) -> str:
     """A number with four significant digits, a dash where there is none; anything else as it is."""
     if value is None or (isinstance(value, float) and not math.isfinite(value)):
@@ -152,10 +154,8 @@ def cell(value: Any) -> str:
 def folded(
     console: Console, title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]
 ) -> Iterator[Table]:
-    """One table, or several with the same leading columns where one would be too wide.
-
-    Before columns are folded, names of columns and texts wrap. No number is ever cut.
-    """
+    """One table, or several with the same leading columns where one would be too wide. Before
+    columns are folded, names of columns and texts wrap. No number is ever cut."""
     every = range(len(columns))
     whole = _table(title, columns, rows, every)
     if _width(console, whole).maximum <= console.width:

@@ -39,10 +39,8 @@ class Effort:
 
 
 def refuse_absurd(what: str, effort: Effort, *, kept: bool = False) -> None:
-    """Raise InputError for work that is out of proportion.
-
-    what: begin of the message, such as "5 runs". kept: finished parts survive an interruption.
-    """
+    """Raise InputError for work that is out of proportion. what: begin of the message, such as "5
+    runs". kept: finished parts survive an interruption."""
     longest = LONGEST_KEPT if kept else LONGEST
     if not effort.seconds <= longest:
         takes, most = duration(effort.seconds), duration(longest)

@@ -22,10 +22,8 @@ class RunFailed(RuntimeError):  # noqa: N818 - it reports an outcome of the expe
 
 @contextmanager
 def checking_input() -> Iterator[None]:
-    """Read files and build what was asked for: every error becomes InputError.
-
-    Use it around the part of an experiment that precedes all work and all writing.
-    """
+    """Read files and build what was asked for, before all work and all writing: every error becomes
+    InputError."""
     try:
         yield
     except (InputError, RunFailed):
@@ -66,9 +64,7 @@ def install(extra: str) -> str:
 @contextmanager
 def needs(extra: str, user: str, package: str) -> Iterator[None]:
     """Import packages of an extra in this block; InputError where one of them is not installed.
-
-    user: what cannot do without, such as "armside tune". package: as people write it: "Optuna".
-    """
+    user: what cannot do without, such as "armside tune". package: as people write it: "Optuna"."""
     try:
         yield
     except ModuleNotFoundError as error:

@@ -57,7 +57,7 @@ class Signals:
         sys.unraisablehook = self._unraisable
 
     def ignore(self) -> None:
-        """From here on nothing is left to be interrupted."""
+        """Nothing is left to be interrupted."""
         for number in self._handled:
             signal.signal(number, signal.SIG_IGN)
 
@@ -84,36 +84,26 @@ SIGNALS = Signals()
 
 
 class Stop:
-    """State of the signals: one has come or none."""
+    """The first signal that has come, if any."""
 
     number = 0
-    """Of the first signal."""
-
-    @property
-    def asked(self) -> bool:
-        """A signal has come."""
-        return self.number != 0
 
     def check(self) -> None:
         """Raise KeyboardInterrupt if one has."""
-        if self.asked:
+        if self.number:
             raise interruption(self.number)
 
 
 @contextmanager
 def noticing(kept: Callable[[], str]) -> Iterator[Stop]:
-    """End the block on a signal where it calls `Stop.check`, or at its end; the first one counts.
-    Another error that the block raises after a signal is taken for its consequence.
-
-    kept: the message at the end, which may be empty.
-
-    Raises KeyboardInterrupt with this message after a signal.
-    """
-    stop = Stop()
-    # Only the main thread may handle signals, and a process in the background may ignore one.
-    main = threading.current_thread() is threading.main_thread()
-    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, *ENDING)}
-    before = {number: handler for number, handler in handlers.items() if main and callable(handler)}
+    """End the block on a signal where it calls `Stop.check`, or at its end, with KeyboardInterrupt
+    and the message `kept`, which may be empty; the first one counts. Another error that the block
+    raises after a signal is taken for its consequence."""
+    stop, before = Stop(), dict[int, Any]()
+    if threading.current_thread() is threading.main_thread():  # others may handle no signals
+        handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, *ENDING)}
+        # A process in the background may ignore one.
+        before = {number: handler for number, handler in handlers.items() if callable(handler)}
 
     def note(number: int, _: object) -> None:
         stop.number = stop.number or number
@@ -124,7 +114,7 @@ def noticing(kept: Callable[[], str]) -> Iterator[Stop]:
         yield stop
         stop.check()
     except (Exception, KeyboardInterrupt) as error:
-        if stop.asked or isinstance(error, KeyboardInterrupt):
+        if stop.number or isinstance(error, KeyboardInterrupt):
             number = getattr(error, "number", signal.SIGINT)
             raise interruption(stop.number or number, kept()) from None
         raise

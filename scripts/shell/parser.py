@@ -25,11 +25,9 @@ Load = Callable[[str], Callable[..., None]]
 
 
 def make_app(commands: Commands, load: Load, chosen: str = "", *, whole: bool = False) -> App:
-    """The parser of one command, which is imported; without one, of `--version`.
-
-    Help is the docstring of the command without the paragraphs for programmers. whole: with the
-    whole text of each option.
-    """
+    """The parser of one command, which is imported; without one, of `--version`. Help is the
+    docstring of the command without the paragraphs for programmers. whole: with the whole text of
+    each option."""
     more = f"armside {chosen} {WHOLE} has the whole text of each option."
     app = App(
         name="armside",

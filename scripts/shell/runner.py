@@ -28,7 +28,8 @@ def run(tokens: list[str], commands: "Commands", load: "Load") -> int:
         if not tokens or tokens[0] in (*BRIEF, WHOLE):
             print(overview(commands), flush=True)
             return DONE
-        _check_environment()
+        if backend := os.environ.get("MPLBACKEND"):
+            _check_backend(backend)
         from .parser import parse  # which takes half of the time of the overview
 
         command, bound = parse(tokens, commands, load)
@@ -44,28 +45,22 @@ def run(tokens: list[str], commands: "Commands", load: "Load") -> int:
         SIGNALS.ignore()
         error = SIGNALS.consequence(raised) if isinstance(raised, Exception) else raised
         if isinstance(error, KeyboardInterrupt):
-            return _complain(str(error) or _kept(), exit_status(error))
+            left = f"; the results are complete in {PUBLISHED[-1]}" if PUBLISHED else ""
+            kept = f"interrupted{left or ', nothing was kept'}"
+            return _complain(str(error) or kept, exit_status(error))
         if "--debug" in tokens:
             traceback.print_exc()
         is_bad = isinstance(error, InputError) or getattr(error, "errno", None) in OF_NAMES
         return _complain(_message(error), BAD_INPUT if is_bad else FAILED)
 
 
-def _check_environment() -> None:
-    """Refuse a backend that matplotlib does not know: importing it would fail, perhaps after the
-    work is done."""
-    if backend := os.environ.get("MPLBACKEND"):
-        try:
-            import matplotlib as mpl  # noqa: F401
-        except ValueError as error:
-            text = f"the environment variable MPLBACKEND names {backend!r}, which is no backend"
-            raise InputError(f"{text} of matplotlib: unset it") from error
-
-
-def _kept() -> str:
-    if PUBLISHED:
-        return f"interrupted; the results are complete in {PUBLISHED[-1]}"
-    return "interrupted, nothing was kept"
+def _check_backend(backend: str) -> None:
+    """Refuse one that matplotlib does not know: importing it would fail, perhaps after the work."""
+    try:
+        import matplotlib as mpl  # noqa: F401
+    except ValueError as error:
+        text = f"the environment variable MPLBACKEND names {backend!r}, which is no backend"
+        raise InputError(f"{text} of matplotlib: unset it") from error
 
 
 def _message(error: Exception) -> str:
@@ -96,30 +91,30 @@ def _drop_unwritten(stream: object) -> None:
 
 
 def begin(*, debug: bool) -> None:
-    """Prepare the process of a command line.
-
-    Streams that the caller has closed lead nowhere: a file must not take their place. What stdout
-    cannot encode is escaped. Warnings and log records of libraries are for those who debug.
-    """
+    """Prepare the process of a command line. Streams that the caller has closed lead nowhere: a
+    file must not take their place. What stdout cannot encode is escaped. Warnings and log records
+    of libraries are for those who debug."""
     for descriptor in range(3):
-        _open(descriptor)
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_RDWR), descriptor)
     sys.stdout = sys.stdout or os.fdopen(1, "w", closefd=False)
     sys.stderr = sys.stderr or os.fdopen(2, "w", closefd=False)
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
     sys.stderr.reconfigure(line_buffering=True)  # type: ignore[union-attr]
     if not debug:
-        _silence_libraries()
+        import logging
+        import warnings
+
+        logging.lastResort = logging.NullHandler()  # pyright: ignore[reportAttributeAccessIssue]
+        if not sys.warnoptions:  # which `python -W` sets
+            warnings.simplefilter("ignore")
+            os.environ.setdefault("PYTHONWARNINGS", "ignore")  # for worker processes
     if sys.stderr.isatty() and "--quiet" not in sys.argv:
         announce_compiling(sys.stderr, debug=debug)
     SIGNALS.handle()
-
-
-def _open(descriptor: int) -> None:
-    try:
-        os.fstat(descriptor)
-    except OSError:
-        os.dup2(os.open(os.devnull, os.O_RDWR), descriptor)
 
 
 def announce_compiling(stream: TextIO, *, debug: bool) -> None:
@@ -132,13 +127,3 @@ def announce_compiling(stream: TextIO, *, debug: bool) -> None:
     handler.addFilter(lambda record: debug or record.levelno == logging.INFO)
     log.addHandler(handler)
     log.setLevel(logging.INFO)
-
-
-def _silence_libraries() -> None:
-    import logging
-    import warnings
-
-    logging.lastResort = logging.NullHandler()  # pyright: ignore[reportAttributeAccessIssue]
-    if not sys.warnoptions:  # which `python -W` sets
-        warnings.simplefilter("ignore")
-        os.environ.setdefault("PYTHONWARNINGS", "ignore")  # for worker processes

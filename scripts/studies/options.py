@@ -14,7 +14,7 @@ from armside.sim.tuning.rules import HORIZON, Rules
 from ..jobs.resolved import robot_content
 from ..jobs.store import digest_of
 from ..shell.options import Count, options
-from .proposals import Pruner, Sampler
+from .study import Pruner, Sampler
 
 MM = 1e-3
 _SEVERAL = Parameter(consume_multiple=True)

@@ -64,25 +64,18 @@ def learn(
     discount: float,
     done: Callable[[], None] = lambda: None,
 ) -> tuple[Network, list[dict[str, Any]]]:
-    """Learn for that many steps.
+    """The network of the mean action, and the learning curve: after each batch in which episodes
+    ended, how many `steps` were done, the `mean_return` of these episodes (sum of rewards: natural
+    log of the tool's RMS before learning over that after) and the fraction that `diverged`.
 
     Args:
         env: its robots are the cells that learn; in SameStep mode.
-        steps: learning iterations of ILC over all cells; a multiple of those of one episode of
-            every cell, after each of which the network is updated.
-        start: the action that the policy begins with, in every situation: in [-1, 1], of the shape
-            of the actions.
+        steps: learning iterations of ILC over all cells; ValueError unless a multiple of those of
+            one episode of every cell, after each of which the network is updated.
+        start: first action in every situation: in [-1, 1], of the shape of the actions.
         seed: of the first cell, the others count up from it, and of PPO's own draws.
         discount: of the reward of an iteration later.
         done: called after each learning iteration of each cell; what it raises ends the learning.
-
-    Returns:
-        The network of the mean action, and the learning curve: after each batch in which episodes
-        ended, how many `steps` were done, the `mean_return` of these episodes (sum of rewards:
-        natural log of the tool's RMS before learning over that after) and the fraction of them
-        that `diverged`.
-
-    Raises ValueError where steps is no such multiple.
     """
     import torch  # pyright: ignore[reportMissingImports]
 

@@ -86,10 +86,8 @@ def nominal_best(
 def against_random(
     objective: Objective, judge: Objective, best: Mapping[str, Any], runs: int, seed: int
 ) -> dict[str, Any]:
-    """Gain of a search's best design over that of random search with as many runs, on other jobs.
-
-    judge: of those jobs. best: parameters of the design.
-    """
+    """Gain of the design of a search's best parameters over that of random search with as many
+    runs, on the other jobs of `judge`."""
     found = judge.ratio(studies.design_from(best))
     random = judge.ratio(random_best(objective, runs, seed))
     interval = dict(zip(("ratio", "low", "high"), gain(found, random), strict=True))
@@ -106,13 +104,11 @@ def search(
     step: Callable[[], None],
     new_best: Callable[["optuna.trial.FrozenTrial"], None],
 ) -> None:
-    """Evaluate designs until the study has `n_trials` finished trials, other processes' included.
+    """Evaluate designs, those of the parameters `first` before others, until the study has
+    `n_trials` finished trials, other processes' included.
 
-    Args:
-        first: parameters of the designs that are tried first.
-        check: called between trials; what it raises ends the search.
-        step: called for each finished trial.
-        new_best: called with each trial that is better than all before.
+    check: called between trials; what it raises ends the search. step: called for each finished
+    trial. new_best: called with each that is better than all before.
     """
     done, best = 0, min((t.value for t in studies.outcomes(study) if t.complete), default=WORST)
     if len(studies.finished(study)) < n_trials:

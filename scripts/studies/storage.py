@@ -49,10 +49,11 @@ ATTEMPTS = 5
 
 @contextmanager
 def reaching(storage: str) -> Iterator[None]:
-    """Open a storage: errors of its URL, its driver or its server become InputError.
+    """Open a storage: errors of its URL, its driver or its server become InputError. A long wait,
+    as for a file that is locked, is announced on stderr."""
+    from optuna.exceptions import OptunaError
+    from sqlalchemy.exc import SQLAlchemyError
 
-    A long wait, as for a file that is locked, is announced on stderr.
-    """
     waiting = f"armside: waiting for storage {redacted(storage)!r}"
     patience = threading.Timer(SLOW, lambda: print(waiting, file=sys.stderr))
     patience.daemon = True
@@ -62,8 +63,14 @@ def reaching(storage: str) -> Iterator[None]:
     except InputError:
         raise
     except ImportError as error:
-        raise InputError(_missing(storage, error)) from error
-    except _failures() as error:
+        # Optuna wraps the error that names the driver.
+        cause = error.__cause__ if isinstance(error.__cause__, ImportError) else error
+        missing = f"the database driver {cause.name}, which is not installed"
+        if storage.startswith("postgresql"):
+            missing += f"; {install('postgres')} brings that of postgresql+psycopg://"
+        raise InputError(f"storage {redacted(storage)!r} needs {missing}") from error
+    # RuntimeError: tables of another version of Optuna.
+    except (SQLAlchemyError, OptunaError, OSError, ValueError, RuntimeError) as error:
         reason = f"does not answer: {_reason(error)}"
         raise InputError(f"storage {redacted(storage)!r} {reason}") from error
     finally:
@@ -72,10 +79,8 @@ def reaching(storage: str) -> Iterator[None]:
 
 @contextmanager
 def using(storage: str) -> Iterator[None]:
-    """Work with an open storage: one that is lost on the way becomes RunFailed.
-
-    Optuna's thread of heartbeats loses it too, and would print a traceback beside that.
-    """
+    """Work with an open storage: one that is lost on the way becomes RunFailed. Optuna's thread of
+    heartbeats loses it too, and would print a traceback beside that."""
     others = threading.excepthook
     threading.excepthook = lambda ended: None if _lost(ended.exc_value) else others(ended)
     try:
@@ -102,11 +107,9 @@ def _lost(error: BaseException | None) -> BaseException | None:
 
 
 def connect(storage: str) -> "optuna.storages.RDBStorage":
-    """The database, with its tables. Processes that make them at the same moment try again.
-
-    storage: URL as SQLAlchemy writes them; the folder of an SQLite file is made. Raises InputError
-    for anything else, and for a database of another program; use it in a block of `reaching`.
-    """
+    """The database of an SQLAlchemy URL, with its tables; the folder of an SQLite file is made.
+    Processes that make them at the same moment try again. Raises InputError for anything else, and
+    for a database of another program; use it in a block of `reaching`."""
     import optuna
     from sqlalchemy.exc import IntegrityError, OperationalError, ProgrammingError
 
@@ -155,6 +158,7 @@ def fail_silent(study: "optuna.Study") -> None:
 
 def _options(storage: str) -> dict[str, Any]:
     """Keyword arguments of Optuna's storage for this kind of database."""
+    from optuna.storages import RetryHeartbeatStaleTrialCallback
     from sqlalchemy.engine import make_url
     from sqlalchemy.exc import ArgumentError
 
@@ -165,26 +169,24 @@ def _options(storage: str) -> dict[str, Any]:
         raise InputError(
             f"storage {redacted(storage)!r} is no SQLAlchemy URL, such as sqlite:///runs/x.sqlite3"
         ) from error
+    with _experiments_allowed():
+        again = RetryHeartbeatStaleTrialCallback(max_retry=RETRIES)
+    # Running trials give signs of life; one that stops to is failed, and queued again.
+    watched = {
+        "heartbeat_interval": HEARTBEAT,
+        "grace_period": SILENCE,
+        "heartbeat_stale_trial_callback": again,
+    }
     if url.get_backend_name() != "sqlite":
         limit = {"connect_timeout": CONNECT_TIMEOUT} if driver in HAVE_TIMEOUT else {}
-        return {"engine_kwargs": {"connect_args": limit, "pool_pre_ping": True}} | _watched()
+        return {"engine_kwargs": {"connect_args": limit, "pool_pre_ping": True}} | watched
     options: dict[str, Any] = {"engine_kwargs": {"connect_args": {"timeout": LOCK_TIMEOUT}}}
     if url.database in (None, "", ":memory:"):  # belongs to a single thread
         return options
     if "mode" in url.query and not url.database.startswith("file:"):
         as_uri = f"sqlite:///file:{url.database}?mode={url.query['mode']}&uri=true"
         raise InputError(f"?mode= is part of an SQLite URI: {as_uri}")
-    return options | _watched()
-
-
-def _watched() -> dict[str, Any]:
-    """Running trials give signs of life; one that stops to is failed, and queued again."""
-    from optuna.storages import RetryHeartbeatStaleTrialCallback
-
-    with _experiments_allowed():
-        again = RetryHeartbeatStaleTrialCallback(max_retry=RETRIES)
-    times = {"heartbeat_interval": HEARTBEAT, "grace_period": SILENCE}
-    return times | {"heartbeat_stale_trial_callback": again}
+    return options | watched
 
 
 def _file(storage: str) -> Path | None:
@@ -227,24 +229,6 @@ def _experiments_allowed() -> Iterator[None]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ExperimentalWarning)
         yield
-
-
-def _failures() -> tuple[type[Exception], ...]:
-    """Exceptions of a storage that is not what its URL says."""
-    from optuna.exceptions import OptunaError
-    from sqlalchemy.exc import SQLAlchemyError
-
-    # RuntimeError: tables of another version of Optuna.
-    return SQLAlchemyError, OptunaError, OSError, ValueError, RuntimeError
-
-
-def _missing(storage: str, error: ImportError) -> str:
-    """Message that names the driver to install. Optuna wraps the error that names it."""
-    cause = error.__cause__ if isinstance(error.__cause__, ImportError) else error
-    missing = f"the database driver {cause.name}, which is not installed"
-    if storage.startswith("postgresql"):
-        missing += f"; {install('postgres')} brings that of postgresql+psycopg://"
-    return f"storage {redacted(storage)!r} needs {missing}"
 
 
 def _reason(error: BaseException) -> str:

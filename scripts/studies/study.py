@@ -1,4 +1,4 @@
-"""Optuna studies of `armside tune`: opened or resumed, and their trials.
+"""Optuna studies of `armside tune`: opened or resumed, their samplers, pruners and trials.
 
 Optuna is imported here only where it is used: it takes half a second.
 """
@@ -7,10 +7,10 @@ import json
 import logging
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import partial
-from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -20,12 +20,21 @@ from armside.sim.tuning.action import SIX, VARIABLES, Motors, Scale, action_of
 from armside.sim.tuning.objective import WORST
 
 from ..shell.errors import InputError
-from .proposals import Pruner, Sampler, new_pruner, new_sampler
 from .storage import SILENCE, connect, fail_silent, reaching
 
 if TYPE_CHECKING:
     import optuna
 
+Sampler = Literal["tpe", "random", "cmaes"]
+Pruner = Literal["percentile", "none"]
+
+FIRST_PRUNED = 3
+"""The first iteration, counted from 1, after which a design may be given up: one that learns slowly
+is behind at first, and one that learns fast may lose again what it had gained."""
+STARTUP_TRIALS = 10
+"""Complete designs before one is given up. ESTIMATE: as many as TPE draws at random."""
+PERCENTILE = 75.0
+"""[%] of complete designs, whose ratio at an iteration a design must reach at its best to go on."""
 TRUE = "ratio_true"
 """User attribute of a trial: the ground truth of its objective."""
 CRITERION = "criterion"
@@ -48,59 +57,86 @@ class Outcome(NamedTuple):
     """All iterations were run: the design was not given up."""
 
 
+def new_sampler(name: Sampler, seed: int) -> "optuna.samplers.BaseSampler":
+    """A sampler whose trial n draws from stream n of the seed: processes that share a study never
+    repeat each other, and a study that was stopped between trials goes on as if it had not been. A
+    trial that was cut short keeps its number, so that those after it draw other designs."""
+    from optuna.samplers import BaseSampler, CmaEsSampler, RandomSampler, TPESampler
+
+    def of_seed(seed: int) -> BaseSampler:
+        if name == "random":
+            return RandomSampler(seed=seed)
+        if name == "cmaes":
+            return CmaEsSampler(seed=seed)
+        return TPESampler(seed=seed, constant_liar=True)
+
+    class PerTrial(BaseSampler):
+        def before_trial(self, study: Any, trial: Any) -> None:
+            entropy = np.random.SeedSequence([seed, trial.number])
+            self._of_trial = of_seed(int(entropy.generate_state(1)[0]))
+            self._of_trial.before_trial(study, trial)
+
+        def infer_relative_search_space(self, study: Any, trial: Any) -> dict[str, Any]:
+            return self._of_trial.infer_relative_search_space(study, trial)
+
+        def sample_relative(self, study: Any, trial: Any, search_space: Any) -> dict[str, Any]:
+            return self._of_trial.sample_relative(study, trial, search_space)
+
+        def sample_independent(
+            self, study: Any, trial: Any, param_name: str, param_distribution: Any
+        ) -> Any:
+            return self._of_trial.sample_independent(study, trial, param_name, param_distribution)
+
+        def after_trial(self, study: Any, trial: Any, state: Any, values: Any) -> None:
+            if hasattr(self, "_of_trial"):  # none before a dead process's trial is given up
+                self._of_trial.after_trial(study, trial, state, values)
+
+    return PerTrial()
+
+
+def new_pruner(name: Pruner) -> "optuna.pruners.BasePruner":
+    """A pruner that gives up no design before it can be compared."""
+    from optuna.pruners import NopPruner, PercentilePruner
+
+    if name == "none":
+        return NopPruner()
+    return PercentilePruner(PERCENTILE, STARTUP_TRIALS, FIRST_PRUNED)
+
+
 def open_study(
-    storage: str,
-    name: str,
-    config: Mapping[str, Any],
-    *,
-    sampler: Sampler,
-    pruner: Pruner,
-    seed: int,
+    storage: str, name: str, config: dict[str, Any], *, sampler: Sampler, pruner: Pruner, seed: int
 ) -> "optuna.Study":
-    """The study of that name, new or as other processes have left it.
-
-    Args:
-        storage: see `storage.connect`.
-        config: what is tuned; a study of another configuration is refused.
-
-    Raises InputError where the storage does not answer, is no URL or another program's, its driver
-    is not installed, or the study tunes something else.
-    """
+    """The study of that name in a storage, new or as other processes have left it. Raises
+    InputError where the storage does not answer, is no URL or another program's, its driver is not
+    installed, or the study tunes something else than `config`."""
     import optuna
+    from optuna.exceptions import DuplicatedStudyError
 
     optuna.logging.set_verbosity(logging.ERROR)
     drawing, giving_up = new_sampler(sampler, seed), new_pruner(pruner)
     with reaching(storage):
         database = connect(storage)
-        try:  # of processes that start together, one makes the study
-            study = optuna.create_study(
-                storage=database,
-                study_name=name,
-                direction="minimize",
-                sampler=drawing,
-                pruner=giving_up,
-            )
-            study.set_user_attr("config", dict(config))
-        except optuna.exceptions.DuplicatedStudyError:
-            study = optuna.load_study(
-                storage=database, study_name=name, sampler=drawing, pruner=giving_up
-            )
+        with suppress(DuplicatedStudyError):  # of processes that start together, one makes it
+            optuna.create_study(storage=database, study_name=name).set_user_attr("config", config)
+        study = optuna.load_study(
+            storage=database, study_name=name, sampler=drawing, pruner=giving_up
+        )
         known = _config(study, config)
-    if known != dict(config):
+    if known != config:
         changed = [key for key in {**known, **config} if known.get(key) != config.get(key)]
         what = f"tunes something else: {', '.join(changed)} differ; give another --study"
         raise InputError(f"study {name!r} {what}")
     return study
 
 
-def _config(study: "optuna.Study", config: Mapping[str, Any]) -> dict[str, Any]:
+def _config(study: "optuna.Study", config: dict[str, Any]) -> dict[str, Any]:
     """The configuration that a study tunes. The process that has made the study may be about to
     write it; where that was killed in between, `config` becomes its configuration."""
     end = time.monotonic() + CONFIG_TIMEOUT
     while (known := study.user_attrs.get("config")) is None and time.monotonic() < end:
         time.sleep(0.1)
     if known is None:
-        study.set_user_attr("config", dict(config))
+        study.set_user_attr("config", config)
         known = study.user_attrs["config"]
     return known
 
@@ -141,31 +177,22 @@ def ask_first(
     study: "optuna.Study", values: dict[str, float], check: Callable[[], None] = lambda: None
 ) -> None:
     """Queue a design as the next trial, unless it was tried, is waiting, or is running elsewhere.
-
     One whose trial failed, or whose process was killed, is queued again. A killed process is known
-    by its silence, which is waited for.
-
-    check: called while waiting; what it raises ends that.
-    """
+    by its silence, which is waited for; what `check` raises ends that."""
     from optuna.trial import TrialState
 
     # The database counts whole seconds, and one more must have passed.
     end = time.monotonic() + SILENCE + 2.0
-    while TrialState.RUNNING in (known := _states(study, values)) and time.monotonic() < end:
+    while True:
+        fail_silent(study)
+        trials = study.get_trials(deepcopy=False)
+        known = {t.state for t in trials if t.system_attrs.get("fixed_params", t.params) == values}
+        if TrialState.RUNNING not in known or time.monotonic() >= end:
+            break
         check()
         time.sleep(0.2)
     if not known - {TrialState.FAIL}:
         study.enqueue_trial(values)
-
-
-def _states(study: "optuna.Study", values: dict[str, float]) -> "set[optuna.trial.TrialState]":
-    """States of all trials of a design, after those of killed processes have failed."""
-    fail_silent(study)
-    return {
-        trial.state
-        for trial in study.get_trials(deepcopy=False)
-        if trial.system_attrs.get("fixed_params", trial.params) == values
-    }
 
 
 def finished(study: "optuna.Study") -> list["optuna.trial.FrozenTrial"]:
@@ -205,10 +232,10 @@ def bests(study: "optuna.Study") -> list["optuna.trial.FrozenTrial"]:
 
 def notes_of_best(study: "optuna.Study") -> list[Note]:
     """Limits that the runs with the best design touched."""
-    stored = [trial.user_attrs.get(NOTES, []) for trial in bests(study)[-1:]]
     return [
         Note(cause=Cause(one["cause"]), text=f"with the best design {one['text']}")
-        for one in chain(*stored)
+        for trial in bests(study)[-1:]
+        for one in trial.user_attrs.get(NOTES, [])
     ]
 
 
@@ -219,11 +246,8 @@ def value(trial: "optuna.trial.FrozenTrial") -> float:
 
 
 def load_design(file: Path) -> Design:
-    """The best design of a search: shared by all motors, or one for each.
-
-    Raises ValueError for a file that does not exist, is no summary of `armside tune`, or found no
-    design.
-    """
+    """The best design of a search: shared by all motors, or one for each. Raises ValueError for a
+    file that does not exist, is no summary of `armside tune`, or found no design."""
     try:
         return design_from(json.loads(file.read_text(encoding="utf-8"))["best"])
     except FileNotFoundError:
@@ -233,23 +257,18 @@ def load_design(file: Path) -> Design:
 
 
 def design_from(params: Mapping[str, Any]) -> Design:
-    """The design of a study's parameters. Raises KeyError for others."""
-    names = [v.name for v in VARIABLES]
-    of = {name: [name] if name in params else _of_motors(params, name) for name in names}
-    return Design(**{name: tuple(params[i] for i in of[name]) for name in names})
+    """The design of a study's parameters, shared or of each motor. Raises KeyError for others."""
 
+    def names(variable: str) -> list[str]:
+        n_axes = sum(name.startswith(f"{variable}_") for name in params)
+        return [variable] if variable in params else parameter_names(variable, max(n_axes, 1))
 
-def _of_motors(best: Mapping[str, Any], variable: str) -> list[str]:
-    """Names of a variable's values, one for each motor."""
-    n_axes = sum(name.startswith(f"{variable}_") for name in best)
-    return parameter_names(variable, max(n_axes, 1))
+    return Design(**{v.name: tuple(params[name] for name in names(v.name)) for v in VARIABLES})
 
 
 def first_action(file: Path | None, motors: Motors, n_axes: int = SIX) -> np.ndarray:
     """Action of the design in a file, (3,) or (3 n,); without one, of the middle of the ranges.
-
-    Raises ValueError as `load_design`, and for a design out of the ranges.
-    """
+    Raises ValueError as `load_design`, and for a design out of the ranges."""
     if file is None:
         return np.zeros(len(VARIABLES) * motors.count(n_axes), np.float32)
     return action_of(load_design(file), motors, n_axes)

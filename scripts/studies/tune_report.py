@@ -24,21 +24,18 @@ SHUFFLES = 19
 
 
 class Importance(NamedTuple):
-    """Importance of one parameter."""
+    """Fraction of the importance of all parameters for being among the best tenth of the trials."""
 
     share: float
-    """Fraction of the importance of all parameters for being among the best tenth of the trials."""
     by_chance: float
     """The largest in random orders of the trials, on the same scale: a fraction that is not above
     it is not significant."""
 
 
 def importance(study: "optuna.Study") -> dict[str, Importance]:
-    """Importance of each parameter by PED-ANOVA over the complete trials, the largest first.
-
-    A design that diverged counts as the worst. Empty while too few trials are complete, or where
-    all of them are alike.
-    """
+    """Importance of each parameter by PED-ANOVA over the complete trials, the largest first. A
+    design that diverged counts as the worst. Empty while too few trials are complete, or where all
+    of them are alike."""
     from optuna.trial import TrialState
 
     trials = study.get_trials(deepcopy=False, states=(TrialState.COMPLETE,))

@@ -6,7 +6,6 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from armside.arrays import Array
 from armside.sim.cell import Cell
 from armside.sim.replay.offscreen import Offscreen, drawn_model, named_camera
 from armside.sim.robot.kinematics_check import cell_model
@@ -36,13 +35,8 @@ def view_robot(robot: str, model: Path | None = None) -> None:
 
 
 def posable(robot: str, model: Path | None = None) -> mujoco.MjModel:
-    """The robot on its floor, each motor held by a stiff position servo with a slider.
-
-    The drives of the asset need the torques of a controller, which the viewer has not. The springs
-    between motors and links stay as they are.
-
-    Args:
-        model: MJCF file in place of the robot's own.
+    """The robot, or another model (MJCF), on its floor, each motor held by a stiff position servo
+    with a slider: drives need the torques of a controller, which the viewer has not.
 
     Raises ValueError where the file is no model, has no joints motor_1, motor_2 ..., or a robot of
     a file disagrees with its model.
@@ -58,7 +52,11 @@ def posable(robot: str, model: Path | None = None) -> mujoco.MjModel:
         raise ValueError(f"{source} has no joints motor_1, motor_2, ...")
     for element in [*spec.actuators, *spec.sensors, *spec.keys]:
         spec.delete(element)
-    inertia = _inertia(spec)
+    mj = spec.compile()
+    data, M = mujoco.MjData(mj), np.zeros((mj.nv, mj.nv))
+    mujoco.mj_forward(mj, data)
+    mujoco.mj_fullM(mj, data, M)
+    inertia = {mj.joint(i).name: float(M[a, a]) for i, a in enumerate(mj.jnt_dofadr)}  # [kg m^2]
     for joint in motors:
         servo = spec.add_actuator(name=joint.name.replace("motor", "axis"), target=joint.name)
         servo.trntype = mujoco.mjtTrn.mjTRN_JOINT
@@ -67,16 +65,6 @@ def posable(robot: str, model: Path | None = None) -> mujoco.MjModel:
         servo.biasprm[1], servo.biasprm[2] = -stiffness, -2.0 * inertia[joint.name] * SERVO
         servo.ctrlrange = joint.range
     return spec.compile()
-
-
-def _inertia(spec: mujoco.MjSpec) -> dict[str, float]:
-    """Inertia of each joint in the zero pose [kg m^2]."""
-    mj = spec.compile()
-    data = mujoco.MjData(mj)
-    mujoco.mj_forward(mj, data)
-    M = np.zeros((mj.nv, mj.nv))
-    mujoco.mj_fullM(mj, data, M)
-    return {mj.joint(i).name: float(M[a, a]) for i, a in enumerate(mj.jnt_dofadr)}
 
 
 def hold(mj: mujoco.MjModel, data: mujoco.MjData) -> None:
@@ -95,7 +83,8 @@ def draw_robot(file: Path, model: RobotModel, cell: Cell) -> None:
         mj = copy.copy(mj)
         mj.vis.headlight.ambient[:], mj.vis.headlight.diffuse[:] = AMBIENT, DIFFUSE
     data = mujoco.MjData(mj)
-    for i, angle in enumerate(_home(cell), 1):
+    home = np.zeros(cell.robot.n_joints) if cell.home is None else np.array(cell.home)
+    for i, angle in enumerate(np.clip(home, cell.limits.lower, cell.limits.upper), 1):
         data.qpos[mj.joint(f"motor_{i}").qposadr[0]] = angle
     mujoco.mj_forward(mj, data)
     with Offscreen(mj, WIDTH, HEIGHT) as screen:
@@ -103,9 +92,3 @@ def draw_robot(file: Path, model: RobotModel, cell: Cell) -> None:
     if alone:  # nothing is behind it: black, which no lit shape is
         image = np.where(image.any(axis=2, keepdims=True), image, np.uint8(255))
     matplotlib.image.imsave(file, image)
-
-
-def _home(cell: Cell) -> Array:
-    zero = np.zeros(cell.robot.n_joints)
-    home = zero if cell.home is None else np.array(cell.home)
-    return np.clip(home, cell.limits.lower, cell.limits.upper)

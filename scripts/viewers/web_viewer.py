@@ -72,8 +72,13 @@ def viewer_pages(replay: Path) -> dict[str, Answer]:
         subprocess.Popen(command, env=env, stdout=printed, stderr=printed) as process,
     ):
         try:
-            address = _address(process, printed)
-            return {path: _read(address + path) for path in PAGES}
+            address, pages = _address(process, printed), dict[str, Answer]()
+            for path in PAGES:
+                with urllib.request.urlopen(address + path, timeout=START) as answer:
+                    found = {name: answer.headers[name] for name in KEPT_HEADERS}
+                    headers = {name: value for name, value in found.items() if value}
+                    pages[path] = answer.read(), headers
+            return pages
         finally:
             process.terminate()
 
@@ -91,12 +96,6 @@ def _address(process: subprocess.Popen[bytes], printed: IO[str]) -> str:
     raise RunFailed(f"Rerun did not serve its viewer: {last}")
 
 
-def _read(address: str) -> Answer:
-    with urllib.request.urlopen(address, timeout=START) as answer:
-        headers = {name: answer.headers[name] for name in KEPT_HEADERS if answer.headers[name]}
-        return answer.read(), headers
-
-
 class _Server(ThreadingHTTPServer):
     """A browser may leave in the middle of an answer: that is no error."""
 
@@ -106,12 +105,8 @@ class _Server(ThreadingHTTPServer):
 
 
 class WebViewer:
-    """Web viewer with one replay in it, served until closed.
-
-    port: to listen on; 0 takes any free one. telemetry: let the page talk to other machines.
-
-    Raises InputError for a port that is in use or not allowed.
-    """
+    """Web viewer with one replay in it, served until closed. port: 0 takes any free one; InputError
+    for one that is in use or not allowed. telemetry: let the page talk to other machines."""
 
     def __init__(self, replay: Path, *, port: int, telemetry: bool = False) -> None:
         pages: dict[str, Answer] = {}
@@ -172,34 +167,27 @@ def _handler(pages: Mapping[str, Answer], telemetry: bool) -> type[BaseHTTPReque
                 self.send_error(403)  # another site's name that points here
             elif asked.path == "/" and "url=" not in asked.query:
                 self.send_response(302)
-                self.send_header("Location", _query(f"http://{self.headers['Host']}", asked.query))
+                replay = quote(f"http://{self.headers['Host']}/replay.rrd", safe="")
+                also = asked.query and f"&{asked.query}"  # such as renderer=webgl
+                self.send_header("Location", f"/?url={replay}&persist=0{also}")
                 self.send_header("Content-Length", "0")
                 self.end_headers()
             elif page := pages.get(asked.path):
-                self._answer(page)
+                content, headers = page
+                self.send_response(200)
+                for name, value in {**headers, "Content-Length": str(len(content))}.items():
+                    self.send_header(name, value)
+                if not telemetry:
+                    self.send_header("Content-Security-Policy", POLICY)
+                self.end_headers()
+                self.wfile.write(content)
             else:
                 self.send_error(404)
-
-        def _answer(self, page: Answer) -> None:
-            content, headers = page
-            self.send_response(200)
-            for name, value in {**headers, "Content-Length": str(len(content))}.items():
-                self.send_header(name, value)
-            if not telemetry:
-                self.send_header("Content-Security-Policy", POLICY)
-            self.end_headers()
-            self.wfile.write(content)
 
         def log_message(self, format: str, *args: object) -> None:
             """Log nothing."""
 
     return Handler
-
-
-def _query(origin: str, given: str) -> str:
-    """Path of the viewer with the replay; `given` is passed on, e.g. renderer=webgl."""
-    also = f"&{given}" if given else ""
-    return f"/?url={quote(origin + '/replay.rrd', safe='')}&persist=0{also}"
 
 
 def check_display(instead: str) -> None:
@@ -211,10 +199,8 @@ def check_display(instead: str) -> None:
 
 
 def show(file: Path, telemetry: bool) -> None:
-    """Show a replay in Rerun's native viewer until its window is closed.
-
-    Raises RunFailed where the viewer fails.
-    """
+    """Show a replay in Rerun's native viewer until its window is closed. Raises RunFailed where the
+    viewer fails."""
     command = [rerun_program(), str(file), "--bind", LOOPBACK, "--port", "auto"]
     with private_environment(telemetry) as env:
         try:

@@ -34,9 +34,7 @@ def laser_values(words: Words) -> dict[str, Any]:
 
 def link(words: Words) -> "Udp":
     """Link that `egm:port=6510,host=127.0.0.1,wait=10` names; relative=1 for RSI that adds up.
-
-    Raises ValueError, OSError when the port cannot be listened at, InputError without the extra.
-    """
+    Raises ValueError, OSError when the port cannot be listened at, InputError without the extra."""
     known = ("host", "port", "wait", *(("relative",) if words.name == "rsi" else ()))
     for key in words.parameters:
         if key not in known:
@@ -68,13 +66,9 @@ def whole_port(value: float, least: int = 0) -> int:
 def controller_task(
     words: Words, record: Any, followed: Path | None = None, beyond: tuple[str, ...] = ()
 ) -> "Task":
-    """Task on the controller that speaks to us: its program, or the path of --reference.
-
-    followed: file with the path of an earlier run, so that the program is not listened to again.
-    beyond: names that the gate lets through.
-
-    Raises ValueError, TimeoutError when no controller speaks.
-    """
+    """Task on the controller that speaks to us: its program, or the path of --reference or of an
+    earlier run (`followed`), so that the program is not listened to again. beyond: names that the
+    gate lets through. Raises ValueError, TimeoutError when no controller speaks."""
     from armside.ilc.workbench.signals import file_reference
     from armside.ilc.workbench.task import Task
     from armside.sim.controller import StreamedPlant

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 from typing import Any
 
-from armside.arrays import Array
 from armside.ilc.models.two_mass import TwoMassJoint, TwoMassLoop
 from armside.ilc.two_mass_study import Study
 from armside.ilc.workbench.laws import build_law
@@ -47,15 +46,11 @@ def study_of(
     if law is None:
         return study
     plant = study.plant
-
-    def experiment(correction: Array) -> Array:
-        return plant.run(correction).motor
-
     setting = Setting(
         sample_time=study.loop.sample_time,
         reference=plant.motor_reference,
         model=study.loop.T_motor,
         cutoff=cutoff,
-        experiment=experiment,
+        experiment=lambda correction: plant.run(correction).motor,
     )
     return replace(study, law=build_law(law, setting), name=law)

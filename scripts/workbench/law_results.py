@@ -53,13 +53,12 @@ def mean_norms(group: Sequence[LawRun]) -> np.ndarray:
 
 def row(run: LawRun) -> dict[str, Any]:
     """Entry of `summary.json`."""
-    predicted = None
-    if run.prediction is not None:
-        predicted = {
-            "criterion": run.prediction.contraction,
-            "spectral_radius": run.prediction.spectral_radius,
-            "error_two": run.prediction.errors,
-        }
+    seen = run.prediction
+    predicted = seen and {
+        "criterion": seen.contraction,
+        "spectral_radius": seen.spectral_radius,
+        "error_two": seen.errors,
+    }
     names = run.measures[0] if run.measures else {}
     return {
         "law": run.law,
@@ -78,7 +77,7 @@ def show(report: Report, title: str, runs: Sequence[LawRun]) -> None:
     """Tables of first and last error beside the prediction."""
     together = groups(runs)
     levels = len({run.noise for run in runs}) > 1
-    first, last = _ends(runs)
+    first, last = runs[0].first_k, max(run.first_k + len(run.norms) for run in runs) - 1
     at = [f"k = {k}" for k in dict.fromkeys((first, last))]
     heads = ["law", *at, "predicted", "criterion", "radius"]
     table = []
@@ -101,38 +100,27 @@ def show(report: Report, title: str, runs: Sequence[LawRun]) -> None:
         [[row[i] for i in shown] for row in table],
         missing="diverged, or not known for this law",
     )
-    if measures := list(runs[0].measures[0]) if runs[0].measures else []:
-        _show_measures(report, measures, runs)
-
-
-def _ends(runs: Sequence[LawRun]) -> tuple[int, int]:
-    return runs[0].first_k, max(run.first_k + len(run.norms) for run in runs) - 1
-
-
-def _show_measures(report: Report, names: Sequence[str], runs: Sequence[LawRun]) -> None:
-    levels, first_and_last = len({run.noise for run in runs}) > 1, _ends(runs)
-    ends = dict(zip(first_and_last, (0, -1), strict=True))
-    shown = {name: SHOWN.get(name, (name, 1.0)) for name in names}
-    heads = [f"{heading}, k = {k}" for heading, _ in shown.values() for k in ends]
-    table: list[list[Any]] = [
-        [
-            _folded(label(group[0], levels)),
-            *(
-                factor * float(np.mean([run.measures[at][name] for run in group]))
-                for name, (_, factor) in shown.items()
-                for at in ends.values()
-            ),
+    if not runs[0].measures:
+        return
+    ends = {first: 0, last: -1}
+    measures = {name: SHOWN.get(name, (name, 1.0)) for name in runs[0].measures[0]}
+    heads = [f"{heading}, k = {k}" for heading, _ in measures.values() for k in ends]
+    table = [
+        [_folded(label(group[0], levels))]
+        + [
+            factor * float(np.mean([run.measures[at][name] for run in group]))
+            for name, (_, factor) in measures.items()
+            for at in ends.values()
         ]
-        for group in groups(runs)
+        for group in together
     ]
-    report.table("Other measures", ["law", *heads], table)
+    if measures:
+        report.table("Other measures", ["law", *heads], table)
 
 
 def of_the_tool(runs: Sequence[LawRun]) -> list[str]:
     """Notes on laws that made the tool of a robot worse; the learned motors may have improved."""
     measured = [run for run in runs if run.measures and TOOL in run.measures[0]]
-    if not measured:
-        return []
     ends = [(run.measures[0][TOOL], run.measures[-1][TOOL], run.law) for run in measured]
     worse = [each for each in ends if each[1] > GROWTH * each[0]]
     if not worse:
@@ -148,10 +136,8 @@ def _folded(text: str) -> str:
 
 
 def write(folder: Any, runs: Sequence[LawRun], reference: Array, sample_time: float) -> list[str]:
-    """Write reference (N, n) and corrections as CSV, and the state to go on from.
-
-    Returns notes on what could not be kept.
-    """
+    """Write reference (N, n) and corrections as CSV, and the state to go on from; notes on what
+    could not be kept."""
     write_signal(folder / REFERENCE, reference, sample_time, "reference")
     for i, group in enumerate(groups(runs)):
         name = re.sub(r"[^A-Za-z0-9]+", "-", label(group[0], False)).strip("-")[:60]

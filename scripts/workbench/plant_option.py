@@ -15,16 +15,8 @@ if TYPE_CHECKING:
     from armside.ilc.workbench.task import Task
 
 ROBOTS = ("large", "irb1400")
-NAMES = (
-    "two-mass",
-    *ROBOTS,
-    *PROTOCOLS,
-    "FILE.toml",
-    "FILE.json",
-    "FILE.mat",
-    "file.py:Name",
-    "a folder",
-)
+FILES = ("FILE.toml", "FILE.json", "FILE.mat", "file.py:Name", "a folder")
+NAMES = ("two-mass", *ROBOTS, *PROTOCOLS, *FILES)
 LARGEST_MODEL = 1_000_000
 """[bytes], of a model's file."""
 SECONDS_LINEAR, SECONDS_ROBOT = 3e-6, 1e-4
@@ -32,10 +24,8 @@ SECONDS_LINEAR, SECONDS_ROBOT = 3e-6, 1e-4
 
 
 def named_task(cfg: LearnCfg, seed: int, followed: Path | None = None) -> "Task":
-    """Everything before the first run. Raises ValueError or OwnCodeError.
-
-    followed: file with the reference of an earlier run that is continued on a controller.
-    """
+    """Everything before the first run. followed: file with the reference of an earlier run that is
+    continued on a controller. Raises ValueError or OwnCodeError."""
     from armside.ilc.models.file import read_model
     from armside.ilc.workbench import plants
 
@@ -58,8 +48,10 @@ def named_task(cfg: LearnCfg, seed: int, followed: Path | None = None) -> "Task"
         task = _robot(words, cfg, record, seed)
     elif words.name in PROTOCOLS:
         task = controller_task(words, record, followed, cfg.beyond)
+    elif "\0" in cfg.plant or not cfg.plant or not Path(cfg.plant).exists():
+        raise ValueError(unknown_name("plant", cfg.plant, NAMES))
     else:
-        task = plants.model_task(_model_file(cfg.plant), record)
+        task = plants.model_task(check_file(Path(cfg.plant), LARGEST_MODEL), record)
     runs = len(cfg.laws) * len(cfg.noise) * cfg.repeats * (cfg.iterations + 1)
     each = SECONDS_ROBOT if robot or words.name in PROTOCOLS else SECONDS_LINEAR
     what = f"{runs} runs of {task.reference.size} numbers"
@@ -68,22 +60,14 @@ def named_task(cfg: LearnCfg, seed: int, followed: Path | None = None) -> "Task"
 
 
 def is_folder(cfg: LearnCfg) -> bool:
-    """The plant is run by hand, files exchanged in a folder.
-
-    A name of a plant is not a folder's, which may be of results that were kept under that name.
-    """
+    """The plant is run by hand, files exchanged in a folder. A name of a plant is not a folder's,
+    which may be of results that were kept under that name."""
     if cfg.plant in NAMES:
         return False
     try:
         return bool(cfg.plant) and Path(cfg.plant).is_dir()
     except (OSError, ValueError):
         return False
-
-
-def _model_file(plant: str) -> Path:
-    if "\0" in plant or not plant or not Path(plant).exists():
-        raise ValueError(unknown_name("plant", plant, NAMES))
-    return check_file(Path(plant), LARGEST_MODEL)
 
 
 def _robot(words: Words, cfg: LearnCfg, record: Any, seed: int) -> "Task":
@@ -94,10 +78,8 @@ def _robot(words: Words, cfg: LearnCfg, record: Any, seed: int) -> "Task":
 
     if cfg.reference or cfg.sample_time is not None:
         raise ValueError("a robot's reference is its cut: leave --reference and --sample-time out")
-    values = {"robot": words.name, **laser_values(words)}
-    asked = LaserCfg(**values, iterations=cfg.iterations)
-    made = cut(asked)
-    return learning_task(made, seed=seed, name=words.text, model=record.model)
+    asked = LaserCfg(robot=words.name, **laser_values(words), iterations=cfg.iterations)
+    return learning_task(cut(asked), seed=seed, name=words.text, model=record.model)
 
 
 CONTOUR = ("shape", "radius", "size", "width", "corner", "contour")

@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Starts:
-    """What each law starts from."""
+    """What each law starts from: a run, a correction, or nothing."""
 
-    folder: Path
-    """Or the file with a correction."""
-    of: Earlier[LearnCfg] | None
+    place: Path | None = None
+    """Folder of the run, or file with the correction."""
+    of: Earlier[LearnCfg] | None = None
     given: CsvSignal | None = field(default=None, repr=False)
 
     def state(self, law: str, noise: float, repetition: int) -> RunState | None:
@@ -35,11 +35,9 @@ class Starts:
         return self.of.state(key(law, noise, repetition)) if self.of and goes_on else None
 
     def correction(self, law: str, task: "Task") -> Array | None:
-        """u of the last run with the same law, or else with the first; None where it goes on.
-
-        Where both tasks follow a path at other speeds, it is taken by the place there. Raises
-        InputError where a robot follows another path.
-        """
+        """u of the last run with the same law, or else with the first; None where it goes on. Where
+        both tasks follow a path at other speeds, it is taken by the place there. Raises InputError
+        where a robot follows another path."""
         if self.given is not None:
             return self.given.at(len(task.reference), task.sample_time)
         if self.of is None or self.of.goes_on:
@@ -55,33 +53,34 @@ class Starts:
 
     @property
     def followed(self) -> Path | None:
-        """Reference of a run that is gone on from; None where it may be another, or is missing.
-
-        The noise of a robot goes on from run to run, so that one that is only listened to counts.
-        """
-        file = self.folder / REFERENCE
-        return file if self.of is not None and self.of.goes_on and file.is_file() else None
+        """Reference of a run that is gone on from; None where it may be another, or is missing. The
+        noise of a robot goes on from run to run, so that one that is only listened to counts."""
+        if self.of is None or not self.of.goes_on:
+            return None
+        file = self.of.run.folder / REFERENCE
+        return file if file.is_file() else None
 
     @property
-    def entry(self) -> dict[str, Any]:
+    def entry(self) -> dict[str, Any] | None:
         """Entry of `summary.json`."""
-        if self.of is not None:
-            return self.of.entry
-        return {"run": str(self.folder), "how": "its correction", "changed": []}
+        if self.of is None and self.place is not None:
+            return {"run": str(self.place), "how": "its correction", "changed": []}
+        return None if self.of is None else self.of.entry
 
     @property
-    def line(self) -> str:
-        """The same in a sentence."""
-        return self.of.line if self.of else f"Starts from the correction of {self.folder}"
+    def lines(self) -> list[str]:
+        """The same in a sentence, if there is anything."""
+        if self.of is None:
+            return [] if self.place is None else [f"Starts from the correction of {self.place}"]
+        return [self.of.line]
 
 
-def starts(cfg: LearnCfg, common: Common) -> tuple[LearnCfg, Common, Starts | None]:
-    """Options with those of the earlier run where none were given, and what it left.
-
-    Raises InputError for a folder that is no run of `armside learn`, or without states.
-    """
-    start, is_file = cfg.start, cfg.start is not None and cfg.start.is_file()
-    cfg, common, before = started(None if is_file else start, "learn", cfg, common)
-    if start is None:
-        return cfg, common, None
-    return cfg, common, Starts(start, before, read_correction(start) if is_file else None)
+def starts(cfg: LearnCfg, common: Common) -> tuple[LearnCfg, Common, Starts]:
+    """Options with those of the earlier run where none were given, and what it left. Raises
+    InputError for a folder that is no run of `armside learn`, or without states."""
+    start = cfg.start
+    if start is not None and start.is_file():
+        cfg, common, _ = started(None, "learn", cfg, common)
+        return cfg, common, Starts(start, given=read_correction(start))
+    cfg, common, before = started(start, "learn", cfg, common)
+    return cfg, common, Starts(start, before)

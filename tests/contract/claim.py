@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from itertools import islice
+from multiprocessing.context import ForkServerContext
 from pathlib import Path
 from typing import NamedTuple
 
@@ -78,18 +79,23 @@ class Judged(NamedTuple):
     broken: list[str]
 
 
+def prepared(root: Path) -> ForkServerContext:
+    """A server, and `files` in a folder: those that lines name, and a finished run."""
+    context, stored = server(), root / "files" / "run"
+    for name in ("files", "first"):
+        (root / name).mkdir()
+    words = ("laser", "--iterations", "0", "--quiet", "--out", str(stored))
+    first = run(context, words, root / "first", 10.0 * PATIENCE)
+    assert first.status == 0, first.err
+    files.make(root / "files", stored)
+    return context
+
+
 def judged(seeds: Iterable[int], patience: float = PATIENCE) -> Iterator[Judged]:
     """Run the lines of the seeds, several at a time, and hold each against the contract."""
-    context = server()
     with tempfile.TemporaryDirectory(prefix="armside-input-") as name:
         root = Path(name)
-        (root / "files").mkdir()
-        stored = root / "files" / "run"
-        words = ("laser", "--iterations", "0", "--quiet", "--out", str(stored))
-        (root / "first").mkdir()
-        first = run(context, words, root / "first", 10.0 * PATIENCE)
-        assert first.status == 0, first.err
-        files.make(root / "files", stored)
+        context = prepared(root)
 
         def one(seed: int) -> Judged:
             asked, folder = line(seed), root / f"{seed}"

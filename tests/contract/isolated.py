@@ -15,6 +15,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from multiprocessing.connection import wait
 from multiprocessing.context import ForkServerContext, ForkServerProcess
 from pathlib import Path
@@ -34,19 +35,14 @@ def disk_full() -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (FULL, most))
 
 
-def killed() -> None:
-    """The process is killed in the moment before its first result gets its name."""
-    _before_naming(lambda _: os.kill(os.getpid(), signal.SIGKILL))
+def signalled(number: int) -> None:
+    """The process gets a signal in the moment before its first result gets its name."""
+    _before_naming(lambda _: os.kill(os.getpid(), number))
 
 
-def terminated() -> None:
-    """The process is asked to end in that moment."""
-    _before_naming(lambda _: os.kill(os.getpid(), signal.SIGTERM))
-
-
-def hung_up() -> None:
-    """Its terminal is closed in that moment."""
-    _before_naming(lambda _: os.kill(os.getpid(), signal.SIGHUP))
+killed, terminated, hung_up = (
+    partial(signalled, number) for number in (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP)
+)
 
 
 def overtaken() -> None:
@@ -85,17 +81,13 @@ def no_home() -> None:
 
 
 def _before_naming(act: Callable[[Path], Any]) -> None:
-    for name in ("rename", "replace"):
-        setattr(os, name, _hooked(getattr(os, name), act))
-
-
-def _hooked(real: Callable[..., None], act: Callable[[Path], Any]) -> Callable[..., None]:
-    def naming(source: Any, *others: Any, **options: Any) -> None:
+    def naming(real: Callable[..., None], source: Any, *others: Any, **options: Any) -> None:
         if STAGED.fullmatch(Path(source).name):
             act(Path(source))
         real(source, *others, **options)
 
-    return naming
+    for name in ("rename", "replace"):
+        setattr(os, name, partial(naming, getattr(os, name)))
 
 
 MODULES = (

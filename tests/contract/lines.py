@@ -200,9 +200,8 @@ def line(seed: int) -> Line:
 
 def _base(name: str, given: set[str], positional: bool) -> tuple[str, ...]:
     """The words of BASE whose options are not given; positional: the first positional is given."""
-    kept, words = list[str](), BASE.get(name, ())
-    option = ""
-    for word in words:
+    kept, option = list[str](), ""
+    for word in BASE.get(name, ()):
         option = word if word.startswith("--") else option
         if option not in given if option else not positional:
             kept.append(word)

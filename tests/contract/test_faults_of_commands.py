@@ -13,8 +13,8 @@ from armside.sim.records.atomic import STAGED
 
 from . import files
 from . import isolated as faults
-from .claim import WAITING
-from .isolated import run, server
+from .claim import WAITING, prepared
+from .isolated import run
 
 SECONDS = 60.0
 COMMANDS = {
@@ -50,13 +50,8 @@ GO_ON = {"tune": "runs", "sweep": "a", "reproduce": "a"}
 @pytest.fixture(scope="module")
 def isolated(tmp_path_factory):
     """Runs a command line in a process of its own, in a folder beside that of the files."""
-    context, root = server(), tmp_path_factory.mktemp("faults")
-    for name in ("files", "first"):
-        (root / name).mkdir()
-    stored = root / "files" / "run"
-    words = ("laser", "--iterations", "0", "--quiet", "--out", str(stored))
-    assert run(context, words, root / "first", SECONDS).status == 0
-    files.make(root / "files", stored)
+    root = tmp_path_factory.mktemp("faults")
+    context = prepared(root)
 
     def one(name, folder, fault=None):
         where = root / folder
@@ -99,7 +94,7 @@ def test_a_killed_command_leaves_nothing_finished_and_can_be_repeated(isolated, 
     ("fault", "status"), [(faults.terminated, 143), (faults.hung_up, 129), (faults.removed, 1)]
 )
 def test_a_signal_or_a_removed_folder_at_the_last_moment_is_one_line(isolated, name, fault, status):
-    folder, done = isolated(name, f"{fault.__name__}-{name}", fault)
+    folder, done = isolated(name, f"{status}-{name}", fault)
     assert (done.status, done.err.count("\n"), done.err[:9]) == (status, 1, "armside: ")
     assert not finished(folder, name)
 

@@ -1,11 +1,12 @@
 """The probe experiment, run in this process or in one of its own."""
 
 import importlib
+import json
 import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -49,6 +50,18 @@ def armside(monkeypatch, tmp_path, capsys):
     def run(line: str) -> Outcome:
         status = cli.main(line.split())
         return Outcome(status, *capsys.readouterr())
+
+    return run
+
+
+@pytest.fixture
+def summary_of(armside):
+    """Runs a command line that is done, as `armside`; its summary as it is printed."""
+
+    def run(line: str) -> dict[str, Any]:
+        status, out, err = armside(f"{line} --json")
+        assert (status, err) == (0, "")
+        return json.loads(out)
 
     return run
 

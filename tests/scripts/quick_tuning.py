@@ -1,8 +1,7 @@
 """A search that takes a second: one pose, one update of each trial."""
 
 from armside.scripts.studies.options import TuneCfg
-from armside.scripts.studies.proposals import Pruner, Sampler
-from armside.scripts.studies.study import open_study
+from armside.scripts.studies.study import Pruner, Sampler, open_study
 from armside.sim.tuning.objective import Objective, prepare
 
 QUICK = "--pose p1 --speed 60 --payload 40 --episodes 1 --iterations 1 --alone"

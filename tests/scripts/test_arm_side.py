@@ -9,13 +9,15 @@ from armside.scripts.cli import main
 from armside.sim.laser import Cut, learn
 from armside.sim.robot.effects import Effect
 
+from .ran import ran
+
 pytestmark = pytest.mark.usefixtures("quick_identification")
 
 
 @pytest.fixture(scope="module")
 def identified(tmp_path_factory):
     out = tmp_path_factory.mktemp("runs") / "springs"
-    assert main(["identify", "--pose", "p2", "--out", str(out), "--quiet"]) == 0
+    ran(out, "identify --pose p2")
     return out
 
 
@@ -34,9 +36,7 @@ def test_identification_is_scored_against_the_truth(identified):
 
 
 def test_a_laser_run_learns_from_the_estimate_with_stored_springs(identified, tmp_path):
-    args = ["laser", "--measure", "estimate", "--pose", "p2", "--quiet"]
-    assert main([*args, "--identification", str(identified), "--out", str(tmp_path)]) == 0
-    summary = json.loads((tmp_path / "summary.json").read_text())
+    summary = ran(tmp_path, f"laser --measure estimate --pose p2 --identification {identified}")
     rows = summary["iterations"]
     assert [r["k"] for r in rows] == list(range(6))
     assert rows[-1]["arm_rms"] < 0.15 * rows[0]["arm_rms"]
@@ -45,10 +45,8 @@ def test_a_laser_run_learns_from_the_estimate_with_stored_springs(identified, tm
 
 def test_springs_serve_nearby_with_another_tool_and_another_unit(identified, tmp_path):
     """Half a metre off, 60 kg instead of 40, and an IMU whose clock started at another time."""
-    args = ["laser", "--measure", "estimate", "--position", "1500", "0", "1599", "--quiet"]
-    args += ["--payload", "60", "--seed", "1", "--iterations", "3"]
-    assert main([*args, "--identification", str(identified), "--out", str(tmp_path)]) == 0
-    rows = json.loads((tmp_path / "summary.json").read_text())["iterations"]
+    line = "laser --measure estimate --position 1500 0 1599 --payload 60 --seed 1 --iterations 3"
+    rows = ran(tmp_path, line, "--identification", identified)["iterations"]
     assert rows[-1]["arm_rms"] < 0.3 * rows[0]["arm_rms"]
 
 

@@ -1,7 +1,13 @@
 """Command lines that are refused in one line, before anything is written."""
 
+from pathlib import Path
+
 import pytest
 
+from armside import assets
+
+SCARA = assets.LARGE_ROBOT_XML.with_name("scara.toml")
+UR10 = Path(__file__).parents[2] / "docs/examples/ur10_tmac"
 REFUSED = {
     "laser --pose p9": "Poses: p1, p2, p3",
     "laser --radius 2000": "694.923 mm outside",
@@ -116,6 +122,30 @@ REFUSED = {
     "export --to cobol": "Choose from",
     "export --what dance": "Choose from",
     "robot model --robot r2d2": "It can be: irb1400",
+    "train --seed 899999990": "sealed test seeds",
+    "train --robots 0": '"0" for --robots. Must be >= 1',
+    "robot new none.urdf --out out": "none.urdf",
+    f"robot new {SCARA} --tip a --out out": "tip chooses a chain of a URDF or MJCF",
+    f"robot build {SCARA.with_name('README.md')} --out out": "Unknown robot",
+    "robot fly --out out": "fly",
+    f"calibrate-arm {UR10} --robot ur11 --out out": "Unknown robot 'ur11'",
+    f"calibrate-arm {UR10} --robot irb120 --out out": "is it this robot?",
+    f"calibrate-arm {UR10 / 'README.md'} --robot ur10 --out out": "README.md",
+    f"calibrate-arm {UR10} --robot ur10 --fraction 1.5": "fraction must be between 0 and 1",
+    f"calibrate-arm {UR10} --robot ur10 --parameters d_2 d_3": "d_3 cannot be told from d_2",
+    f"calibrate-arm {UR10} --robot ur10 --fitted 5": "too few poses",
+    f"calibrate-arm {UR10} --robot ur10 --prior-length 0": "prior-length must be in (0, 10000] mm",
+    f"calibrate-arm {UR10} --robot ur10 --prior-angle 1.7e308": "must be in (0, 10000] mrad",
+    f"calibrate-arm {UR10} --robot ur10 --harmonics -1": "harmonics must be 0 to 200, got -1",
+    f"calibrate-arm {UR10} --out out": "robot",
+    "sweep gamma=1 --engine ray": "needs --address",
+    "sweep gamma=1 --address 1.2.3.4:5": "engine ray",
+    "sweep gamma=1 --workers 0": '"0" for --workers. Must be >= 1',
+    f"sweep gamma=1 --into {__file__}": "test_bad_input.py is a file",
+    "sweep gamma=1 --engine cloud": "engine",
+    "sweep pose=p1,p9": "Unknown pose 'p9'",
+    "tune --measure estimate --motors each": "need --measure motor, not estimate",
+    "tune --measure estimate --nominal 2": "need --measure motor, not estimate",
 }
 INDIVIDUALS = {
     "--individual -1": "individual must be 0 to 9.22337e+18, got -1",

@@ -11,7 +11,8 @@ import pytest
 
 from armside.kinematics import compile, read_robot
 from armside.kinematics.urdf import read_urdf
-from armside.scripts.cli import main
+
+from .ran import ran
 
 UR10 = Path(__file__).parents[2] / "docs/examples/ur10_tmac"
 FAST = "--harmonics 0 --next 3"
@@ -20,9 +21,7 @@ FAST = "--harmonics 0 --next 3"
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
     folder = tmp_path_factory.mktemp("calibrated") / "out"
-    line = f"calibrate-arm {UR10} --robot ur10 {FAST} --quiet --out {folder}"
-    assert main(line.split()) == 0
-    return json.loads((folder / "summary.json").read_text()), folder
+    return ran(folder, f"calibrate-arm {UR10} --robot ur10 {FAST}"), folder
 
 
 def test_table_urdf_and_c_of_the_calibrated_arm_agree(done, require_program):
@@ -87,22 +86,3 @@ def test_a_urdf_file_stands_for_its_robot(armside, tmp_path):
     errors = summary["held_out"]
     assert summary["rank"] == 27
     assert errors["geometry"]["mean"] < 0.6 * errors["nominal"]["mean"]
-
-
-@pytest.mark.parametrize(
-    ("line", "message"),
-    [
-        (f"{UR10} --robot ur11", "Unknown robot 'ur11'"),
-        (f"{UR10} --robot irb120", "is it this robot?"),
-        (f"{UR10 / 'README.md'} --robot ur10", "README.md"),
-        (f"{UR10} --robot ur10 --fraction 1.5", "fraction must be between 0 and 1"),
-        (f"{UR10} --robot ur10 --parameters d_2 d_3", "d_3 cannot be told from d_2"),
-        (f"{UR10} --robot ur10 --fitted 5", "too few poses"),
-        (f"{UR10} --robot ur10 --prior-length 0", "prior-length must be in (0, 10000] mm"),
-        (f"{UR10} --robot ur10 --prior-angle 1.7e308", "prior-angle must be in (0, 10000] mrad"),
-        (f"{UR10} --robot ur10 --harmonics -1", "harmonics must be 0 to 200, got -1"),
-        (f"{UR10}", "robot"),
-    ],
-)
-def test_bad_input_is_one_line_and_writes_nothing(bad_input, line, message):
-    bad_input(f"calibrate-arm {line} --out out", message)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from armside.scripts.jobs.store import Store
+from armside.scripts.jobs.store import Store, digest
 from armside.scripts.thesis import chapter5, chapter8
 from armside.scripts.thesis.imu_job import ImuJob
 from armside.scripts.thesis.report import Asked
@@ -30,8 +30,8 @@ def read(folder):
     store = Store(folder / "results")
 
     def result(job):
-        if not store.holds(job):
-            store.save(job, job.run())
+        if store.status(digest(job)) is None:
+            store.keep(digest(job), job, job.run())
         return store.load(job)
 
     return result

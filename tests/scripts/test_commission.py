@@ -37,12 +37,8 @@ def test_commissioning_leaves_a_twin_with_its_pictures(twin):
     assert "gear_error 6 1 1" in summary["not_identified"]  # the tool lies on axis 6
 
 
-def test_a_first_cut_by_a_twin_is_predicted_and_right(armside, twin, tmp_path):
-    folder, _ = twin
-    line = f"laser --twin {folder} --individual {INDIVIDUAL} --iterations 0 --json"
-    status, out, _ = armside(f"{line} --out {tmp_path / 'run'}")
-    assert status == 0
-    found = json.loads(out)
+def test_a_first_cut_by_a_twin_is_predicted_and_right(summary_of, twin):
+    found = summary_of(f"laser --twin {twin[0]} --individual {INDIVIDUAL} --iterations 0 --out run")
     predicted = found["predicted"]
     assert predicted["trusted"]
     assert predicted["interval"] is None  # of a twin of one cut
@@ -51,48 +47,45 @@ def test_a_first_cut_by_a_twin_is_predicted_and_right(armside, twin, tmp_path):
     assert found["twin"]["friction"] == pytest.approx([1.0] * 6, abs=0.15)
 
 
-def test_a_whole_part_is_corrected_at_its_first_run(armside, twin, tmp_path):
+def test_a_whole_part_is_corrected_at_its_first_run(summary_of, twin, tmp_path):
     """By a twin of a single cut elsewhere; learning from the motors goes on around it."""
-    folder, _ = twin
     plate = "corner = 1\npoints = [[0, 0], [30, 0], [30, 20], [0, 20]]\n"
     (tmp_path / "plate.toml").write_text(plate)
-    cut = f"cut {tmp_path / 'plate.toml'} --individual {INDIVIDUAL} --iterations 0 --json"
-    status, out, _ = armside(f"{cut} --twin {folder} --out {tmp_path / 'run'}")
-    assert status == 0
-    found = json.loads(out)
+    cut = f"cut plate.toml --individual {INDIVIDUAL} --iterations 0 --twin {twin[0]}"
+    found = summary_of(f"{cut} --out run")
     assert found["predicted"]["trusted"]
     (row,) = found["iterations"]
     assert row["arm_rms_true"] < 0.3 * found["predicted"]["uncorrected"]
-    status, out, _ = armside(f"cut --from {tmp_path / 'run'} --iterations 1 --json")
-    assert status == 0
-    again = json.loads(out)
+    again = summary_of("cut --from run --iterations 1")
     assert again["iterations"][0] == row
     assert again["iterations"][1]["arm_rms_true"] < 1.3 * row["arm_rms_true"]
 
 
-def test_targets_are_learned_in_a_twin_before_the_first_run(armside, twin, tmp_path, monkeypatch):
+def test_targets_are_learned_in_a_twin_before_the_first_run(
+    summary_of, twin, tmp_path, monkeypatch
+):
     """The error of that run is predicted; of a twin that is not trusted none are taken."""
     plate = "corner = 1\npoints = [[0, 0], [15, 0], [15, 10], [0, 10]]\n"
     (tmp_path / "plate.toml").write_text(plate)
-    cut = f"cut {tmp_path / 'plate.toml'} --individual {INDIVIDUAL} --iterations 0 --json"
-    cut += f" --measure tracker --as-program rapid --spacing 2 --twin {twin[0]}"
-    found = json.loads(armside(f"{cut} --out {tmp_path / 'run'}").out)
+    plain = f"cut plate.toml --individual {INDIVIDUAL} --iterations 0 --measure tracker"
+    plain += " --as-program rapid --spacing 2"
+    cut = f"{plain} --twin {twin[0]}"
+    found = summary_of(f"{cut} --out run")
     predicted, (row,) = found["predicted"], found["iterations"]
     assert predicted["trusted"]
     assert predicted["interval"] is None  # factors are not those of programs
     assert 0.0 < predicted["arm_rms"] < 0.3 * predicted["uncorrected"]
     assert row["arm_rms_true"] < 0.3 * predicted["uncorrected"]
     assert found["program"]["largest_offset"] > 1e-4
-    again = json.loads(armside(f"cut --from {tmp_path / 'run'} --iterations 1 --json").out)
+    again = summary_of("cut --from run --iterations 1")
     assert again["iterations"][0] == row
     assert again["iterations"][1]["arm_rms_true"] < row["arm_rms_true"] + SCATTER
     monkeypatch.setattr("armside.sim.twin.prediction.LARGEST_FRACTION", 0.0)
-    found = json.loads(armside(cut).out)
+    found = summary_of(cut)
     assert not found["predicted"]["trusted"]
     assert any("the twin is not trusted here" in note["text"] for note in found["notes"])
     assert found["program"]["largest_offset"] == 0.0
-    plain = json.loads(armside(cut.partition(" --twin")[0]).out)
-    assert found["iterations"] == plain["iterations"]
+    assert found["iterations"] == summary_of(plain)["iterations"]
 
 
 def test_a_first_cut_whose_beam_is_lost_keeps_its_results(armside, twin, tmp_path, monkeypatch):
@@ -110,33 +103,29 @@ def test_a_first_cut_whose_beam_is_lost_keeps_its_results(armside, twin, tmp_pat
 
 
 @pytest.mark.parametrize("measure", ["estimate", "tracker"])
-def test_learning_goes_on_from_a_twin_and_does_not_lose_what_it_knew(armside, twin, measure):
+def test_learning_goes_on_from_a_twin_and_does_not_lose_what_it_knew(summary_of, twin, measure):
     """An estimate is off by what its arm lacks, but as much in the twin's run, which it follows."""
     line = f"laser --twin {twin[0]} --individual {INDIVIDUAL} --measure {measure} --iterations 3"
-    status, out, _ = armside(f"{line} --pose p2 --shape hexagon --speed 60 --json")
-    assert status == 0
-    first, *others = [row["arm_rms_true"] for row in json.loads(out)["iterations"]]
+    found = summary_of(f"{line} --pose p2 --shape hexagon --speed 60")
+    first, *others = [row["arm_rms_true"] for row in found["iterations"]]
     assert len(others) == 3
     assert max(others) < first + SCATTER
 
 
-def test_a_twin_that_is_not_trusted_leaves_learning_as_it_is_without(armside, twin, monkeypatch):
+def test_a_twin_that_is_not_trusted_leaves_learning_as_it_is_without(summary_of, twin, monkeypatch):
     monkeypatch.setattr("armside.sim.twin.prediction.LARGEST_FRACTION", 0.0)
     library._learned.cache_clear()
-    line = f"laser --individual {INDIVIDUAL} --iterations 2 --json"
-    by_twin, plain = (
-        json.loads(armside(f"{line} {more}").out) for more in (f"--twin {twin[0]}", "--radius 5")
-    )
+    line = f"laser --individual {INDIVIDUAL} --iterations 2"
+    by_twin, plain = summary_of(f"{line} --twin {twin[0]}"), summary_of(line)
     library._learned.cache_clear()
     assert not by_twin["predicted"]["trusted"]
     assert by_twin["iterations"] == plain["iterations"]
 
 
-def test_a_comparison_has_the_twin_beside_what_is_learned_from(armside, twin, tmp_path):
+def test_a_comparison_has_the_twin_beside_what_is_learned_from(summary_of, twin):
     line = f"compare --twin {twin[0]} --individual {INDIVIDUAL} --poses p1 --speeds 40"
-    status, out, _ = armside(f"{line} --iterations 1 --json --out {tmp_path / 'c'}")
-    assert status == 0
-    rows = {row["measure"]: row for row in json.loads(out)["comparisons"]}
+    found = summary_of(f"{line} --iterations 1 --out c")
+    rows = {row["measure"]: row for row in found["comparisons"]}
     assert list(rows) == ["motor", "estimate", "tracker", "oracle", "twin"]
     assert {row["uncorrected"] for row in rows.values()} == {rows["motor"]["arm_rms"][0]}
     first, then = rows["twin"]["arm_rms"]
@@ -199,13 +188,14 @@ def test_an_imu_takes_the_place_of_the_tracker(armside, tmp_path):
     assert json.loads((tmp_path / "twin" / "twin.json").read_text())["sensor"] == "imu"
 
 
+def singular(*_args, **_kwargs):
+    raise np.linalg.LinAlgError("Singular matrix")
+
+
 def test_a_failure_of_the_identification_is_not_bad_input(armside, monkeypatch):
     """Only a recording that cannot be of the robot is."""
     from armside.sim.twin import commission
     from armside.sim.twin.recordings import ImplausibleError
-
-    def singular(*_args, **_kwargs):
-        raise np.linalg.LinAlgError("Singular matrix")
 
     monkeypatch.setattr(commission, "identify", singular)
     status, _, err = armside("commission --cuts 1")
@@ -222,9 +212,6 @@ def test_a_failure_of_the_identification_is_not_bad_input(armside, monkeypatch):
 def test_a_failure_of_learning_in_a_twin_is_not_bad_input(armside, twin, monkeypatch):
     from armside.sim.twin import twin as module
 
-    def singular(*_args, **_kwargs):
-        raise np.linalg.LinAlgError("Singular matrix")
-
     monkeypatch.setattr(module, "correct", singular)
     status, _, err = armside(f"laser --iterations 0 --radius 6 --twin {twin[0]}")
     assert (status, err.count("\n")) == (1, 1)
@@ -235,7 +222,7 @@ def test_a_failure_of_learning_in_a_twin_is_not_bad_input(armside, twin, monkeyp
 
 def test_the_plan_states_how_long_each_record_takes(armside, monkeypatch):
     """A circle of 126 mm at 80 mm/s: 1.6 s around, the lead-in and the rests."""
-    monkeypatch.setattr(command, "chosen", lambda *_, **__: [Choice(0, 79.0)])
+    monkeypatch.setattr(command.commissioning, "chosen", lambda *_, **__: [Choice(0, 79.0)])
     _, out, _ = armside("commission --choose")
     (row,) = (line for line in out.splitlines() if "Circle" in line)
     speed, seconds = (float(cell) for cell in row.split("│")[4:6])

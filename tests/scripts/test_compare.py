@@ -7,34 +7,30 @@ import numpy as np
 import pytest
 
 from armside import assets
-from armside.scripts.cli import main
 from armside.scripts.cutting.comparison import CompareCfg, cases_of, starts_of
-from armside.scripts.cutting.earlier import earlier
+from armside.scripts.cutting.earlier import started as start_from
 from armside.scripts.shell.options import Common
 from armside.sim.records.files import InputError
+
+from .ran import ran
 
 WAYS = ["motor", "estimate", "tracker", "oracle"]
 ROBOT = str(assets.IRB1400_XML.parent / "two_link.toml")
 """Two axes: its springs are identified in a second."""
 CUTS = ("--robot", ROBOT, "--poses", "p1", "--speeds", "60", "--seed", "2")
-LINE = ("compare", *CUTS, "--quiet")
-
-
-def run(out, *words):
-    assert main([*map(str, words), "--out", str(out)]) == 0
-    return json.loads((out / "summary.json").read_text())
+LINE = ("compare", *CUTS)
 
 
 @pytest.fixture(scope="module")
 def first(tmp_path_factory):
     out = tmp_path_factory.mktemp("compare") / "first"
-    run(out, *LINE, "--iterations", 1)
+    ran(out, *LINE, "--iterations", 1)
     return out
 
 
 def test_updates_in_two_comparisons_are_those_of_one_to_the_last_bit(first, tmp_path):
-    once = run(tmp_path / "once", *LINE, "--iterations", 3)
-    again = run(tmp_path / "b", "compare", "--quiet", "--from", first, "--iterations", 2)
+    once = ran(tmp_path / "once", *LINE, "--iterations", 3)
+    again = ran(tmp_path / "b", "compare", "--from", first, "--iterations", 2)
     assert (once["k"], again["k"]) == ([0, 1, 2, 3], [0, 2, 3])
     for whole, parts in zip(once["comparisons"], again["comparisons"], strict=True):
         assert parts["arm_rms"] == [whole["arm_rms"][k] for k in again["k"]]
@@ -56,14 +52,14 @@ def test_the_estimate_is_that_of_laser_for_the_same_cut_robot_and_seed(first, tm
     compared = json.loads((first / "summary.json").read_text())["comparisons"]
     (estimate,) = (row["arm_rms"] for row in compared if row["measure"] == "estimate")
     words = ("--robot", ROBOT, "--pose", "p1", "--speed", 60, "--seed", 2, "--iterations", 1)
-    alone = run(tmp_path / "laser", "laser", *words, "--measure", "estimate", "--quiet")
+    alone = ran(tmp_path / "laser", "laser", *words, "--measure", "estimate")
     found = [each["arm_rms"] for each in alone["iterations"]]
     assert found == pytest.approx(estimate, rel=1e-9)
 
 
 def started(first, robot=ROBOT, **options):
     cfg = CompareCfg(robot=robot, poses=("p1",), **options)
-    return earlier(first, "compare", cfg, Common(seed=2))
+    return start_from(first, "compare", cfg, Common(seed=2))
 
 
 def test_each_way_takes_its_own_correction_to_another_speed(first):

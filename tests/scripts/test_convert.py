@@ -1,6 +1,7 @@
 """Data out and back: other tools' files hold the run, and measure as the run did."""
 
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,11 +12,13 @@ import pytest
 from armside.scripts import cli
 from armside.sim.records.tables import read_table, units, write_table
 
+from .ran import ran
+
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
     out = tmp_path_factory.mktemp("runs") / "one"
-    assert cli.main(["laser", "--iterations", "1", "--quiet", "--out", str(out)]) == 0
+    ran(out, "laser --iterations 1")
     return out
 
 
@@ -52,9 +55,8 @@ def same(a, b):
     return x.tobytes() == y.tobytes()
 
 
-def test_joints_that_are_given_twice_are_bad_input(run, capsys):
-    assert cli.main(["convert", str(run), "--joints", "a", "b", "a"]) == 2
-    assert capsys.readouterr().err == "armside: a is given twice\n"
+def test_joints_that_are_given_twice_are_bad_input(run, bad_input):
+    bad_input(f"convert {run} --joints a b a", "armside: a is given twice\n")
 
 
 def test_a_lost_beam_survives_files_without_missing_values(tmp_path):
@@ -144,20 +146,14 @@ def test_own_data_get_the_same_analysis(tmp_path, capsys, suffix):
 
 def test_only_the_turn_asked_for_is_measured(tmp_path, capsys):
     file = tmp_path / "mine.csv"
-    table = own_data()
-    x = table["tracker_x"].to_numpy().copy()
-    x[:100] += 1.0
-    write_table(
-        file, table.set_column(table.column_names.index("tracker_x"), "tracker_x", pa.array(x))
-    )
+    write_table(file, column("tracker_x", lambda x: x + 1.0 * (np.arange(500) < 100))(own_data()))
     (row,) = measured(file, capsys, "--gear", "1", "1", "--radius", "5", "--start", "0.4")
     assert row["arm_rms"] == pytest.approx(20e-6, rel=1e-9)
 
 
 def test_without_a_radius_only_motors_are_measured(tmp_path, capsys):
-    file = tmp_path / "mine.csv"
-    write_table(file, own_data())
-    (row,) = measured(file, capsys, "--gear", "1", "1")
+    write_table(tmp_path / "mine.csv", own_data())
+    (row,) = measured(tmp_path / "mine.csv", capsys, "--gear", "1", "1")
     assert row["arm_rms"] is None
 
 
@@ -231,11 +227,9 @@ def test_data_with_wrong_times_or_units_are_not_measured(name, suffix, tmp_path,
     bad_input(f"measure {file} --gear 100 50 --radius 5", said)
 
 
-STORED = {name: SPOILT[name][0] for name in ("reversed", "constant", "milliseconds")} | {
-    "a hole": column("time", lambda t: t + 5.0 * (t > 1)),
-    "degrees": column("motor_angle_2", np.degrees),
-    "text": column("time", words),
-}
+OF_TIME = ("reversed", "constant", "milliseconds", "a hole", "text")
+STORED = {name: SPOILT[name][0] for name in OF_TIME}
+STORED |= {"degrees": column("motor_angle_2", np.degrees)}
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
@@ -252,11 +246,6 @@ def test_angles_of_motor_shafts_may_turn_without_bound(tmp_path, capsys):
     measured(tmp_path / "mine.csv", capsys, "--gear", "1", "1")
 
 
-def test_a_missing_package_is_named_with_its_extra(run, tmp_path, monkeypatch, capsys):
-    import sys
-
+def test_a_missing_package_is_named_with_its_extra(run, monkeypatch, bad_input):
     monkeypatch.setitem(sys.modules, "h5py", None)
-    file = tmp_path / "s.h5"
-    assert cli.main(["convert", str(run), "--to", "hdf5", "--file", str(file)]) == 2
-    assert "armside[convert]" in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())
+    bad_input(f"convert {run} --to hdf5 --file s.h5", "armside[convert]")

@@ -24,12 +24,10 @@ def bag(tmp_path):
     return tmp_path / "bag"
 
 
-def test_a_bag_becomes_tables_and_tables_a_bag(armside, bag, tmp_path):
+def test_a_bag_becomes_tables_and_tables_a_bag(armside, summary_of, bag, tmp_path):
     source = bag
     for kind in ("csv", "parquet", "mcap"):
-        status, out, err = armside(f"convert {source} --to {kind} --file {tmp_path / kind} --json")
-        assert (status, err) == (0, "")
-        found = json.loads(out)
+        found = summary_of(f"convert {source} --to {kind} --file {tmp_path / kind}")
         assert found["samples"] == {"encoders": 200, "tracker": 200}
         assert found["form"] == ("ROS bag" if source == bag else "folder of tables")
         back = read_motion(source := tmp_path / kind)

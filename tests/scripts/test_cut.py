@@ -11,6 +11,8 @@ from armside.scripts.cli import main
 from armside.scripts.cutting.cut_run import Ready
 from armside.sim.records import read_run
 
+from .ran import ran
+
 PLATE = ((0, 0), (40, 0), (40, 25), (0, 25))
 
 
@@ -27,16 +29,12 @@ def plate(folder, name="plate.dxf"):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    place = tmp_path_factory.mktemp("cut")
-    words = ["--speed", "60", "--iterations", "2", "--pose", "p2"]
-    out = place / "run"
-    assert main(["cut", str(plate(place)), *words, "--quiet", "--out", str(out)]) == 0
-    return out
+    return tmp_path_factory.mktemp("cut") / "run"
 
 
 @pytest.fixture(scope="module")
 def outcome(folder):
-    return json.loads((folder / "summary.json").read_text())
+    return ran(folder, "cut", plate(folder.parent), "--speed 60 --iterations 2 --pose p2")
 
 
 def test_every_contour_has_its_own_measures_in_the_order_of_the_cuts(outcome):

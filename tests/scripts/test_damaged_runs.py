@@ -10,7 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 from scipy.io import savemat
 
-from armside.scripts import cli
+from .ran import ran
 
 LEARN = "learn --plant two-mass --laws heuristic --iterations 1"
 LASER = "laser --iterations 1"
@@ -20,7 +20,7 @@ LASER = "laser --iterations 1"
 def runs(tmp_path_factory):
     folder = tmp_path_factory.mktemp("runs")
     for line in (LEARN, LASER):
-        assert cli.main([*line.split(), "--quiet", "--out", str(folder / line.split()[0])]) == 0
+        ran(folder / line.split()[0], line)
     return folder
 
 

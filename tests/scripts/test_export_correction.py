@@ -18,6 +18,8 @@ from armside.sim.controller.stored_correction import read_correction
 from armside.sim.records import read_run
 from armside.sim.records.tables import read_table, units
 
+from .ran import ran
+
 ROBOT = "large:radius=2,speed=40"
 
 
@@ -25,11 +27,8 @@ ROBOT = "large:radius=2,speed=40"
 def place(tmp_path_factory):
     """A run of laser, and one of learn with two laws on the same cut."""
     folder = tmp_path_factory.mktemp("export")
-    words = ["--iterations", "1", "--quiet"]
-    cut = ["--radius", "2", "--speed", "40"]
-    assert main(["laser", *cut, *words, "--out", str(folder / "cut")]) == 0
-    laws = ["--laws", "heuristic", "gradient"]
-    assert main(["learn", "--plant", ROBOT, *laws, *words, "--out", str(folder / "two")]) == 0
+    ran(folder / "cut", "laser --radius 2 --speed 40 --iterations 1")
+    ran(folder / "two", f"learn --plant {ROBOT} --laws heuristic gradient --iterations 1")
     return folder
 
 

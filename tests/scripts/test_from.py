@@ -10,13 +10,9 @@ from armside import assets
 from armside.scripts.cli import main
 from armside.sim.records import read_run
 
+from .ran import ran
+
 SCARA = str(assets.IRB1400_XML.parent / "scara.toml")
-
-
-def run(command, out, *words):
-    line = [command, *map(str, words), "--quiet", "--out", str(out)]
-    assert main(line) == 0
-    return json.loads((out / "summary.json").read_text())
 
 
 def drawing(folder):
@@ -35,14 +31,14 @@ def place(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def first(place):
-    run("laser", place / "a", "--gamma", 0.8, "--seed", 3, "--iterations", 2)
+    ran(place / "a", "laser", "--gamma", 0.8, "--seed", 3, "--iterations", 2)
     return place / "a"
 
 
 @pytest.fixture(scope="module")
 def part(place):
     words = ("--speed", 60, "--pose", "p2", "--iterations", 1)
-    run("cut", place / "part", drawing(place), *words)
+    ran(place / "part", "cut", drawing(place), *words)
     return place / "part"
 
 
@@ -53,9 +49,9 @@ def corrections(folder):
 def test_updates_in_two_runs_are_those_of_one_to_the_last_bit(first, tmp_path):
     """Noise goes on; a third run goes on from the second."""
     options = ("--gamma", 0.8, "--seed", 3)
-    once = run("laser", tmp_path / "once", *options, "--iterations", 4)
-    run("laser", tmp_path / "b", "--from", first, "--iterations", 1)
-    again = run("laser", tmp_path / "c", "--from", tmp_path / "b", "--iterations", 1)
+    once = ran(tmp_path / "once", "laser", *options, "--iterations", 4)
+    ran(tmp_path / "b", "laser", "--from", first, "--iterations", 1)
+    again = ran(tmp_path / "c", "laser", "--from", tmp_path / "b", "--iterations", 1)
     assert again["iterations"] == [once["iterations"][0], once["iterations"][4]]
     assert again["started_from"]["how"] == "its last run"
     whole, parts = corrections(tmp_path / "once"), corrections(tmp_path / "c")
@@ -64,15 +60,15 @@ def test_updates_in_two_runs_are_those_of_one_to_the_last_bit(first, tmp_path):
 
 def test_a_part_goes_on_to_the_last_bit_without_its_drawing_being_named(part, place, tmp_path):
     words = ("--speed", 60, "--pose", "p2", "--iterations", 2)
-    once = run("cut", tmp_path / "once", place / "plate.dxf", *words)
-    again = run("cut", tmp_path / "b", "--from", part, "--iterations", 1)
+    once = ran(tmp_path / "once", "cut", place / "plate.dxf", *words)
+    again = ran(tmp_path / "b", "cut", "--from", part, "--iterations", 1)
     assert again["iterations"][-1] == once["iterations"][-1]
     for contour, whole in zip(again["contours"], once["contours"], strict=True):
         assert contour["iterations"][-1] == whole["iterations"][-1]
 
 
 def test_a_correction_is_repeated_alone(first, tmp_path):
-    again = run("laser", tmp_path / "b", "--from", first, "--iterations", 0)
+    again = ran(tmp_path / "b", "laser", "--from", first, "--iterations", 0)
     (row,) = again["iterations"]
     assert row["k"] == 0
     np.testing.assert_array_equal(corrections(tmp_path / "b")[0], corrections(first)[2])
@@ -80,7 +76,7 @@ def test_a_correction_is_repeated_alone(first, tmp_path):
 
 
 def test_another_payload_is_a_stated_test_of_transfer(first, tmp_path):
-    carried = run("laser", tmp_path / "b", "--from", first, "--payload", 100, "--iterations", 0)
+    carried = ran(tmp_path / "b", "laser", "--from", first, "--payload", 100, "--iterations", 0)
     said = carried["started_from"]
     assert said["changed"] == ["payload"]
     assert carried["config"]["gamma"] == [0.8]
@@ -91,7 +87,7 @@ def test_another_payload_is_a_stated_test_of_transfer(first, tmp_path):
 
 
 def test_a_part_is_taken_to_another_speed_by_the_place_on_its_path(part, tmp_path):
-    carried = run("cut", tmp_path / "b", "--from", part, "--speed", 80, "--iterations", 0)
+    carried = ran(tmp_path / "b", "cut", "--from", part, "--speed", 80, "--iterations", 0)
     said, (row,) = carried["started_from"], carried["iterations"]
     assert said["changed"] == ["speed"]
     assert sum(row["motor_two"]) < 0.8 * sum(said["uncorrected"]["motor_two"])
@@ -99,7 +95,7 @@ def test_a_part_is_taken_to_another_speed_by_the_place_on_its_path(part, tmp_pat
 
 def test_a_correction_goes_axis_by_axis_to_another_robot_with_the_same_axes(first, tmp_path):
     """A stated test of transfer: its first run is shown beside one without the correction."""
-    carried = run("laser", tmp_path / "b", "--from", first, "--robot", "irb1400", "--iterations", 0)
+    carried = ran(tmp_path / "b", "laser", "--from", first, "--robot", "irb1400", "--iterations", 0)
     assert carried["started_from"]["changed"] == ["robot", "delta", "cutoff"]  # a design of its own
     taken, learned = corrections(tmp_path / "b")[0], corrections(first)[2]
     assert taken.shape[1] == 6

@@ -7,11 +7,12 @@ import pyarrow.parquet as pq
 import pytest
 
 from armside.kinematics import robot_toml
-from armside.scripts.cli import main
 from armside.scripts.commands.imu import ImuOptions
 from armside.sim.imu.phases import idle_peaks
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.records.signals import read_signals
+
+from .ran import ran
 
 FIGURES = {
     "motor-angles.png",
@@ -33,7 +34,7 @@ def rms(error):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     out = tmp_path_factory.mktemp("runs") / "imu"
-    assert main(["imu", "--out", str(out), "--quiet"]) == 0
+    ran(out, "imu")
     return out
 
 
@@ -80,8 +81,7 @@ def test_the_replay_holds_the_robot_and_both_sides_of_the_comparison(folder):
 
 @pytest.mark.parametrize("motion", ["sequential", "rest"])
 def test_the_other_motions_leave_their_figures(motion, tmp_path):
-    options = ["--off", "4", "--on", "4"] if motion == "rest" else []
-    assert main(["imu", "--motion", motion, *options, "--out", str(tmp_path / "x"), "--quiet"]) == 0
+    ran(tmp_path / "x", "imu --motion", motion, "--off 4 --on 4" if motion == "rest" else "")
     names = {file.name for file in (tmp_path / "x").glob("*.png")}
     if motion == "rest":
         assert names == {"rest.png", "spectrum.png"}

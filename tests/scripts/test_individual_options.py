@@ -21,16 +21,17 @@ from armside.sim.robot.individual_file import PARAMETERS, read_individual
 from armside.sim.robot.model import load_model
 from armside.sim.robot.spread import Drawn
 
+from .ran import ran
+
 DESIGN = load_model(assets.LARGE_ROBOT_XML)
 NUMBER = next(n for n in range(1, 100) if len(Drawn(n).of(DESIGN).hidden) == 2)
-QUICK = "laser --iterations 0 --radius 3 --speed 60 --quiet"
+QUICK = "laser --iterations 0 --radius 3 --speed 60"
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     out = tmp_path_factory.mktemp("runs") / "one"
-    line = f"{QUICK} --individual {NUMBER} --friction-drift 5 --temperature 40 --seed 3"
-    assert main([*line.split(), "--out", str(out)]) == 0
+    ran(out, f"{QUICK} --individual {NUMBER} --friction-drift 5 --temperature 40 --seed 3")
     return out
 
 
@@ -55,18 +56,15 @@ def test_a_run_keeps_the_parameters_of_its_individual(folder):
 def test_the_kept_file_makes_the_same_run_to_the_last_bit(folder, tmp_path):
     file = folder / "individual.toml"
     line = f"{QUICK} --individual {file} --friction-drift 5 --temperature 40 --seed 3"
-    assert main([*line.split(), "--out", str(tmp_path / "again")]) == 0
-    assert measures(tmp_path / "again") == measures(folder)
-    config = json.loads((tmp_path / "again" / "summary.json").read_text())["config"]
-    assert config["individual"] == str(file)
+    again = ran(tmp_path / "again", line)
+    assert again["iterations"] == measures(folder)
+    assert again["config"]["individual"] == str(file)
 
 
 def test_a_run_without_an_individual_keeps_one_too(tmp_path):
-    first, again = tmp_path / "first", tmp_path / "again"
-    assert main([*QUICK.split(), "--out", str(first)]) == 0
-    file = first / "individual.toml"
-    assert main([*QUICK.split(), "--individual", str(file), "--out", str(again)]) == 0
-    assert measures(first) == measures(again)
+    first, file = ran(tmp_path / "first", QUICK), tmp_path / "first" / "individual.toml"
+    again = ran(tmp_path / "again", QUICK, "--individual", file)
+    assert first["iterations"] == again["iterations"]
     assert np.ptp(read_individual(file).friction) > 0.0
 
 
@@ -75,9 +73,7 @@ def test_a_run_with_hidden_hinges_is_replayed_and_measured_from_its_folder(folde
     qpos = run.signals.runs[0].recording.truth.qpos
     assert qpos.shape[1] == run.robot.nq == DESIGN.mj.nq + 2
     assert main(["replay", str(folder), "--save", str(tmp_path / "again.rrd"), "--quiet"]) == 0
-    line = ["measure", str(folder / "signals.parquet"), "--quiet", "--out", str(tmp_path / "out")]
-    assert main(line) == 0
-    (row,) = measures(tmp_path / "out")
+    (row,) = ran(tmp_path / "out", "measure", folder / "signals.parquet")["iterations"]
     assert row["arm_rms"] == pytest.approx(measures(folder)[0]["arm_rms"], rel=1e-9)
 
 

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from armside.scripts.cli import main
 from armside.scripts.cutting.cut_run import ready, run
 from armside.scripts.cutting.options import LaserCfg
 from armside.scripts.cutting.specification import contour, cut, measure
@@ -21,10 +20,7 @@ from armside.sim.estimation.elasticity import (
 from armside.sim.evaluation.kerf import Kerf
 from armside.sim.motion.contour import Circle
 
-
-def laser(out, line):
-    assert main(["laser", *line.split(), "--quiet", "--out", str(out)]) == 0
-    return json.loads((out / "summary.json").read_text())
+from .ran import ran
 
 
 def prepare(cfg):
@@ -33,7 +29,7 @@ def prepare(cfg):
 
 @pytest.fixture(scope="module")
 def square(tmp_path_factory):
-    return laser(tmp_path_factory.mktemp("runs") / "square", "--shape square --repetitions 4")
+    return ran(tmp_path_factory.mktemp("runs") / "square", "laser --shape square --repetitions 4")
 
 
 def test_motors_learn_a_square_while_its_corners_ring_on(square):
@@ -75,7 +71,7 @@ def test_repetitions_show_the_noise_of_torque_and_tracker_apart(square):
 
 
 def test_without_repetitions_there_is_no_repeatability(tmp_path):
-    summary = laser(tmp_path / "one", "--iterations 0 --shape hexagon --lead-in spiral")
+    summary = ran(tmp_path / "one", "laser --iterations 0 --shape hexagon --lead-in spiral")
     assert "path_repeatability" not in summary["iso"]
     assert (tmp_path / "one" / "kerf.png").is_file()
 

@@ -11,6 +11,8 @@ from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 from armside.scripts.cli import main
 
+from .ran import ran
+
 LAG = {"sample_time": 0.01, "b": [0, 0.1], "a": [1, -0.9]}
 OWN = """
 import math
@@ -71,9 +73,8 @@ def test_coupled_motors_show_their_eigenloci_below_the_criterion(place, capsys):
 def test_laws_of_noise_points_laps_and_bases_are_predicted_beside_their_results(place):
     laws = ("knob-free", "basis:order=2", "rational", "point-to-point:times=0.3/0.6")
     laws += ("kalman:noise=0.01", "repetitive:period=30", "h-infinity:uncertainty=0.3")
-    words = ["learn", "--plant", "lag.json", "--laws", *laws, "--iterations", "1", "--quiet"]
-    assert main([*words, "--samples", "100", "--out", "a"]) == 0
-    found = read(place / "a")["laws"]
+    line = "learn --plant lag.json --iterations 1 --samples 100 --laws"
+    found = ran(place / "a", line, *laws)["laws"]
     assert [each["law"] for each in found] == list(laws)
     for each in found:
         assert not each["diverged"]
@@ -81,11 +82,10 @@ def test_laws_of_noise_points_laps_and_bases_are_predicted_beside_their_results(
 
 
 def test_a_robot_goes_on_bit_for_bit_and_says_so(place):
-    robot = ["learn", "--plant", "large:radius=2,speed=80", "--seed", "4", "--quiet"]
-    assert main([*robot, "--iterations", "2", "--out", "two"]) == 0
-    assert main([*robot, "--iterations", "1", "--out", "one"]) == 0
-    assert main(["learn", "--from", "one", "--iterations", "1", "--quiet", "--out", "more"]) == 0
-    more, two = read(place / "more"), read(place / "two")
+    robot = "learn --plant large:radius=2,speed=80 --seed 4"
+    two = ran(place / "two", robot, "--iterations 2")
+    ran(place / "one", robot, "--iterations 1")
+    more = ran(place / "more", "learn --from one --iterations 1")
     assert more["started_from"]["how"] == "its last runs"
     assert more["laws"][0]["error_two"] == two["laws"][0]["error_two"][2:]
     assert more["laws"][0]["arm_rms"] == two["laws"][0]["arm_rms"][2:]
@@ -108,11 +108,8 @@ def test_motors_that_follow_while_the_tool_gets_worse_are_noted(place, capsys):
 
 
 def test_another_law_starts_from_the_correction(place):
-    words = ["learn", "--plant", "lag.json", "--quiet"]
-    assert main([*words, "--laws", "gradient", "--iterations", "3", "--out", "a"]) == 0
-    words = ["learn", "--from", "a", "--laws", "own.py:half", "--iterations", "1", "--quiet"]
-    assert main([*words, "--out", "b"]) == 0
-    first, then = read(place / "a"), read(place / "b")
+    first = ran(place / "a", "learn --plant lag.json --laws gradient --iterations 3")
+    then = ran(place / "b", "learn --from a --laws own.py:half --iterations 1")
     assert then["started_from"]["changed"] == ["laws"]
     assert then["laws"][0]["error_two"][0] == first["laws"][0]["error_two"][-1]
 
@@ -135,20 +132,15 @@ def test_a_folder_asks_for_each_log_and_ends_with_the_results(place, capsys):
 
 
 def test_results_kept_under_the_name_of_a_plant_do_not_become_the_plant(place):
-    words = ["learn", "--iterations", "0", "--quiet", "--out"]
-    assert main([*words, "two-mass"]) == 0
-    assert main([*words, "again", "--plant", "two-mass"]) == 0
-    assert len(read(place / "again")["laws"]) == 1
+    ran(place / "two-mass", "learn --iterations 0")
+    assert len(ran(place / "again", "learn --iterations 0 --plant two-mass")["laws"]) == 1
     assert not (place / "two-mass" / "u_0.csv").exists()
 
 
 def test_a_correction_is_carried_over_to_another_speed_but_not_to_another_path(place, capsys):
-    slow, fast = "large:radius=2,speed=60", "large:radius=2,speed=70"
-    assert main(["learn", "--plant", slow, "--iterations", "2", "--quiet", "--out", "slow"]) == 0
-    words = ["learn", "--plant", fast, "--iterations", "0", "--quiet"]
-    assert main([*words, "--out", "without"]) == 0
-    assert main([*words, "--from", "slow", "--out", "carried"]) == 0
-    carried, without = read(place / "carried"), read(place / "without")
+    ran(place / "slow", "learn --plant large:radius=2,speed=60 --iterations 2")
+    line = "learn --plant large:radius=2,speed=70 --iterations 0"
+    without, carried = ran(place / "without", line), ran(place / "carried", line, "--from slow")
     assert carried["started_from"]["changed"] == ["plant"]
     assert carried["laws"][0]["error_two"][0] < 0.5 * without["laws"][0]["error_two"][0]
     for plant, other in (("large:radius=3", "radius"), ("large:radius=2,pose=p2", "pose")):

@@ -1,6 +1,5 @@
 """Recordings given to `armside commission`: a corrupt one is named, and left out only by option."""
 
-import json
 import shutil
 from typing import Any
 
@@ -10,7 +9,7 @@ import pyarrow.compute
 import pyarrow.parquet as pq
 import pytest
 
-from armside.scripts import cli
+from .ran import ran
 
 compute: Any = pyarrow.compute
 """Its functions are made when it is imported."""
@@ -24,8 +23,7 @@ TRACKER = ("tracker_x", "tracker_y", "tracker_z")
 def good(tmp_path_factory):
     """Folder of a run."""
     folder = tmp_path_factory.mktemp("recorded") / "good"
-    line = f"laser --individual 2001 --iterations 0 --speed 80 --quiet --out {folder}"
-    assert cli.main(line.split()) == 0
+    ran(folder, "laser --individual 2001 --iterations 0 --speed 80")
     return folder
 
 
@@ -100,7 +98,7 @@ def test_a_truncated_file_and_another_robot_are_named_in_one_line(
 
 
 @pytest.mark.usefixtures("one_step_commissioning")
-def test_a_corrupt_cut_is_left_out_by_its_name_alone(armside, good, table, tmp_path):
+def test_a_corrupt_cut_is_left_out_by_its_name_alone(armside, summary_of, good, table, tmp_path):
     """And what is left is a recording of documented columns: the twin is the same, bit for bit."""
     documented = table.select([*DOCUMENTED, *TRACKER])
     pq.write_table(documented, tmp_path / "mine.parquet")
@@ -108,6 +106,6 @@ def test_a_corrupt_cut_is_left_out_by_its_name_alone(armside, good, table, tmp_p
     (tmp_path / "bad" / "signals.parquet").write_bytes(b"PAR1")
     assert armside(f"commission --recordings {good} bad").status == 2
     lines = (f"{good} bad --leave-out bad", "mine.parquet")
-    twins = [json.loads(armside(f"commission --recordings {line} --json").out) for line in lines]
+    twins = [summary_of(f"commission --recordings {line}") for line in lines]
     assert [cut["name"] for cut in twins[0]["cuts"]] == ["good"]
     assert twins[0]["parameters"] == twins[1]["parameters"]

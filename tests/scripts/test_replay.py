@@ -13,6 +13,7 @@ from armside.scripts import cli
 from armside.scripts.viewers import web_viewer
 from armside.sim.replay.run_scene import about, learning
 
+from .ran import ran
 from .replay_content import content
 
 
@@ -72,8 +73,8 @@ def test_magnification_is_that_asked_for(run, tmp_path):
     spread, contents = [], []
     for factor in ("1", "3"):
         file = tmp_path / f"{factor}.rrd"
-        words = ["replay", str(run), "--save", str(file), "--magnification", factor, "--quiet"]
-        assert cli.main(words) == 0
+        line = f"replay {run} --save {file} --magnification {factor} --quiet"
+        assert cli.main(line.split()) == 0
         spread.append(deviation_in_plane(file))
         contents.append(content(file))
     other = {entity for entity, rows in contents[0].items() if rows != contents[1][entity]}
@@ -172,12 +173,10 @@ def test_bad_options_are_refused(words, said, run, refused):
 
 
 def test_an_experiment_without_motion_has_no_replay(tmp_path, refused):
-    out = tmp_path / "rest"
-    words = ["imu", "--motion", "rest", "--off", "3", "--on", "3", "--quiet", "--out", str(out)]
-    assert cli.main(words) == 0
-    assert "no replay" in refused(out, "--save", tmp_path / "r.rrd")
+    ran(tmp_path / "rest", "imu --motion rest --off 3 --on 3")
+    assert "no replay" in refused(tmp_path / "rest", "--save", tmp_path / "r.rrd")
 
 
 def test_six_runs_are_small(tmp_path):
-    assert cli.main(["laser", "--quiet", "--out", str(tmp_path / "six")]) == 0
+    ran(tmp_path / "six", "laser")
     assert (tmp_path / "six" / "replay.rrd").stat().st_size < 10e6

@@ -17,7 +17,7 @@ import pytest
 from armside.scripts.commands import reproduce
 from armside.scripts.jobs import store as store_module
 from armside.scripts.jobs.grid import Point
-from armside.scripts.jobs.store import Store, code_fingerprint
+from armside.scripts.jobs.store import Store, code_fingerprint, digest
 from armside.scripts.shell.console import Report
 from armside.scripts.shell.errors import InputError
 from armside.scripts.shell.options import Common
@@ -320,15 +320,15 @@ def test_a_changed_constant_in_any_package_makes_the_store_ask_again(tmp_path, m
     store, job = Store(tmp_path / "results"), ProbeJob("a", "log")
     for package in store_module.PACKAGES:
         code_fingerprint.cache_clear()
-        store.save(job, {"value": np.arange(3.0)})
+        store.keep(digest(job), job, {"value": np.arange(3.0)})
         row = Point("0" * 16, {}, 0).failed(ValueError())
         assert np.array_equal(store.load(job)["value"], np.arange(3.0))
-        assert store.holds(job)
-        assert not store.holds(ProbeJob("b", "log"))
+        assert store.status(digest(job)) == "done"
+        assert store.status(digest(ProbeJob("b", "log"))) is None
         with sorted((tmp_path / package).rglob("*.py"))[-1].open("a") as module:
             module.write("CONSTANT = 2\n")
         code_fingerprint.cache_clear()
-        assert not store.holds(job), package
+        assert store.status(digest(job)) is None, package
         assert Point("0" * 16, {}, 0).failed(ValueError())["code"] != row["code"], package
     code_fingerprint.cache_clear()
 

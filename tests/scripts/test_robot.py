@@ -8,7 +8,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from armside import kinematics
-from armside.scripts import cli
 from armside.scripts.cli import main
 from armside.scripts.viewers.sliders import hold, posable
 from armside.sim.cell import CELLS, LARGE_CELL
@@ -38,22 +37,15 @@ def test_there_is_a_slider_for_each_motor_within_its_limits():
     np.testing.assert_array_equal(mj.actuator_ctrlrange, mj.jnt_range[mj.actuator_trnid[:, 0]])
 
 
-def test_without_a_display_it_says_so_in_one_line(monkeypatch, capsys):
+def test_what_cannot_be_shown_is_refused_in_one_line(monkeypatch, tmp_path, bad_input):
+    """For want of a display, of motors, or of the file."""
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    assert cli.main(["robot", "view"]) == 2
-    _, err = capsys.readouterr()
-    assert "no display" in err
-    assert err.count("\n") == 1
-
-
-def test_a_model_without_motors_is_refused(tmp_path, capsys):
-    file = tmp_path / "box.xml"
-    file.write_text("<mujoco><worldbody><body><joint/><geom size='1'/></body></worldbody></mujoco>")
-    assert cli.main(["robot", "view", str(file)]) == 2
-    assert "no joints motor_1" in capsys.readouterr().err
-    assert cli.main(["robot", "view", "missing.xml"]) == 2
-    assert "missing.xml does not exist" in capsys.readouterr().err
+    box = "<mujoco><worldbody><body><joint/><geom size='1'/></body></worldbody></mujoco>"
+    (tmp_path / "box.xml").write_text(box)
+    bad_input("robot view", "no display")
+    bad_input("robot view box.xml", "no joints motor_1")
+    bad_input("robot view missing.xml", "missing.xml does not exist")
 
 
 def said(capsys, *words, status=0):

@@ -19,14 +19,16 @@ from armside.sim.robot_file.find import find_cell
 from armside.sim.robot_file.hardware import DRIVES, EFFECTS, GEARS
 from armside.sim.robot_file.reading import TABLES
 
+from .ran import ran
+
 SCARA = assets.LARGE_ROBOT_XML.with_name("scara.toml")
 
 
 def test_from_an_empty_folder_to_a_model_of_plain_mujoco(tmp_path, capsys):
     new, built = tmp_path / "new", tmp_path / "built"
-    assert main(["robot", "new", "--out", str(new), "--quiet"]) == 0
+    ran(new, "robot new")
     file = str(new / "robot.toml")
-    assert main(["robot", "build", file, "--out", str(built), "--quiet"]) == 0
+    ran(built, "robot build", file)
     mj = mujoco.MjModel.from_xml_path(str(built / "robot.xml"))
     assert mj.njnt == 12
     assert mj.ngeom > 6
@@ -83,7 +85,7 @@ def test_check_lists_what_is_estimated_and_slides_in_millimetres(capsys):
 
 @pytest.mark.usefixtures("graphics")
 def test_a_picture_of_the_robot_goes_with_its_data(tmp_path):
-    assert main(["robot", "show", str(SCARA), "--out", str(tmp_path / "shown"), "--quiet"]) == 0
+    ran(tmp_path / "shown", "robot show", SCARA)
     with Image.open(tmp_path / "shown" / "robot.png") as image:
         shades = np.asarray(image.convert("L"))
     assert np.median(shades) == 255  # of the background
@@ -95,8 +97,7 @@ def test_a_cut_leaves_a_replay_with_a_line_for_each_axis(name, axes, tmp_path):
     from rerun.chunk import RrdReader
 
     file, out = str(SCARA.with_name(f"{name}.toml")), tmp_path / "cut"
-    words = ["laser", "--robot", file, "--iterations", "0", "--quiet", "--out", str(out)]
-    assert main(words) == 0
+    ran(out, f"laser --robot {file} --iterations 0")
     chunks = list(RrdReader(out / "replay.rrd").stream().to_chunks())
     (lines,) = [c for c in chunks if c.entity_path == "/motor_error" and c.is_static]
     batch = lines.to_record_batch()
@@ -104,19 +105,6 @@ def test_a_cut_leaves_a_replay_with_a_line_for_each_axis(name, axes, tmp_path):
     assert batch.column(names).to_pylist() == [[f"axis {i + 1}" for i in range(axes)]]
     learned = {c.entity_path for c in chunks if c.entity_path.startswith("/learning/motor")}
     assert len(learned) == axes
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("new none.urdf", "none.urdf"),
-        (f"new {SCARA} --tip a", "tip chooses a chain of a URDF or MJCF"),
-        (f"build {SCARA.with_name('README.md')}", "Unknown robot"),
-        ("fly", "fly"),
-    ],
-)
-def test_bad_input_writes_nothing(words, said, bad_input):
-    bad_input(f"robot {words} --out out", said)
 
 
 def test_a_wrong_robot_file_is_one_line_with_file_field_and_what_is_allowed(tmp_path, capsys):

@@ -1,6 +1,5 @@
 """Pages and fingerprints depend on what they should, and options reach the physics in SI."""
 
-import json
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -222,15 +221,13 @@ def test_the_seed_of_a_cut_is_that_of_its_robot_and_noise():
     ],
 )
 def test_a_command_gives_the_same_numbers_for_the_same_seed_and_others_for_another(
-    armside, monkeypatch, line
+    summary_of, monkeypatch, line
 ):
     for name in ("commands.laser.write", "figures.imu_results.write_rest"):
         monkeypatch.setattr(f"armside.scripts.{name}", lambda *_: None)  # files of the same numbers
     outcomes = []
     for i, seed in enumerate((3, 3, 4)):
-        status, out, err = armside(f"{line} --seed {seed} --json --quiet --out run-{i}")
-        assert (status, err) == (0, "")
-        summary = json.loads(out)
+        summary = summary_of(f"{line} --seed {seed} --quiet --out run-{i}")
         assert summary["config"]["seed"] == seed
         outcomes.append({k: v for k, v in summary.items() if k != "config"})
     assert outcomes[0] == outcomes[1]

@@ -47,22 +47,6 @@ def test_an_axis_that_makes_no_sense_is_refused(axes, message):
         parse(axes, 0)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ("gamma=1 --engine ray", "needs --address"),
-        ("gamma=1 --address 1.2.3.4:5", "engine ray"),
-        ("gamma=1 --workers 0", '"0" for --workers. Must be >= 1'),
-        ("gamma=1 --into file", "file is a file"),
-        ("gamma=1 --engine cloud", "engine"),
-        ("pose=p1,p9", "Unknown pose 'p9'"),
-    ],
-)
-def test_bad_input_is_one_line(bad_input, tmp_path, options, message):
-    (tmp_path / "file").touch()
-    bad_input(f"sweep {options}", message)
-
-
 def test_the_engine_is_asked_before_the_grid_is_built(armside, monkeypatch):
     monkeypatch.setattr(
         "armside.scripts.commands.sweep.parse", lambda *_: pytest.fail("built a grid")
@@ -71,11 +55,10 @@ def test_the_engine_is_asked_before_the_grid_is_built(armside, monkeypatch):
     assert (status, "Ray" in err) == (2, True)
 
 
-def test_without_ray_the_extra_is_named(armside, monkeypatch):
+def test_without_ray_the_extra_is_named(bad_input, monkeypatch):
     monkeypatch.setitem(sys.modules, "ray", None)
-    status, _, err = armside("sweep gamma=1 --engine ray --address 127.0.0.1:1")
-    assert status == 2
-    assert err == "armside: the engine ray needs Ray: pip install 'armside[cluster]'\n"
+    said = "armside: the engine ray needs Ray: pip install 'armside[cluster]'\n"
+    bad_input("sweep gamma=1 --engine ray --address 127.0.0.1:1", said)
 
 
 def test_rows_are_what_armside_laser_finds(whole):
@@ -172,7 +155,7 @@ def test_who_can_only_wait_for_others_says_so_once(tmp_path, armside, monkeypatc
     def sleep(_):
         looks.append(None)
         if len(looks) == 3:
-            theirs.close()
+            theirs.drop()
 
     monkeypatch.setattr("armside.scripts.jobs.queue.time.sleep", sleep)
     status, _, err = armside("sweep delta=1:4 --into there")

@@ -78,7 +78,7 @@ def test_a_job_has_one_process_at_a_time(tmp_path):
     assert not theirs.take("ab")
     ours.drop("ab")
     assert theirs.take("ab")
-    theirs.close()
+    theirs.drop()
     assert not list((tmp_path / ".claims").iterdir())
 
 

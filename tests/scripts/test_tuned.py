@@ -62,14 +62,11 @@ def test_designs_of_one_motor_or_six_are_read_from_a_search(tmp_path):
 
 
 @pytest.mark.parametrize("content", ["", "{}", '{"best": null}', '{"best": {"gamma": 1}}', None])
-def test_a_file_without_a_design_is_refused(content, armside, tmp_path):
+def test_a_file_without_a_design_is_refused(content, bad_input, tmp_path):
     if content is not None:
         (tmp_path / "other.json").write_text(content)
-    status, _, err = armside("train --from other.json")
-    assert status == 2
     reason = "does not exist" if content is None else "is no summary.json of armside tune"
-    assert f"other.json {reason}" in err
-    assert err.count("\n") == 1
+    bad_input("train --from other.json", f"other.json {reason}")
 
 
 def test_the_learned_policy_chooses_by_what_it_sees():

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from armside.scripts.jobs.dataset import Dataset
-from armside.scripts.jobs.grid import Grid, Point, parse, run_grid
+from armside.scripts.jobs.grid import Grid, parse, run_grid
 from armside.scripts.jobs.workers import WorkerDied, Workers
 
 from .sweep_engine import AXES, Serial, quick, start, wait_for
@@ -82,13 +82,6 @@ def test_a_worker_that_dies_takes_only_its_own_point_with_it(tmp_path):
     assert (row["seed"], row["error"]) == (1, "a worker process was killed (out of memory?)")
 
 
-def test_a_point_survives_the_way_to_a_worker():
-    import pickle
-
-    point = Point(key="0" * 16, options={"gamma": (0.9,)}, seed=3)
-    assert pickle.loads(pickle.dumps(point)) == point
-
-
 @pytest.fixture
 def ends(monkeypatch):
     """Square root, which takes its process along for a negative number."""
@@ -129,11 +122,6 @@ def test_an_interruption_does_not_wait_for_tasks_in_flight():
     with pytest.raises(KeyboardInterrupt):
         interrupted()
     assert time.monotonic() - begin < 300.0
-
-
-def test_a_number_of_processes_is_at_least_one():
-    with pytest.raises(ValueError, match="workers must be >= 1, got 0"):
-        Workers(0)
 
 
 WAITING = """

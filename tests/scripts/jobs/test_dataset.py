@@ -1,6 +1,6 @@
 """Types of columns by those of fields."""
 
-from typing import Annotated, Literal
+from typing import Literal
 
 import pyarrow as pa
 import pytest
@@ -13,7 +13,6 @@ from armside.scripts.jobs.dataset import _arrow
     [
         (float, pa.float64()),
         (float | None, pa.float64()),
-        (Annotated[int, "any"], pa.int64()),
         (int | str, pa.string()),
         (bool, pa.bool_()),
         (Literal["a", "b"], pa.string()),

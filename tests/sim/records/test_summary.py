@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from armside.scripts.shell.console import keep
+from armside.scripts.shell.console import Report
 from armside.scripts.shell.options import Common
 from armside.sim.records.summary import dumps, summary
 
@@ -56,7 +56,7 @@ def test_what_json_cannot_hold_is_an_error_and_not_a_string():
 
 def test_a_command_without_files_writes_only_where_it_is_told(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    keep(summary("bench", {}, Common()), Common())
+    Report(Common()).kept(summary("bench", {}, Common()))
     assert not list(tmp_path.iterdir())
-    keep(summary("bench", {}, Common()), Common(out=tmp_path / "a"))
+    Report(Common(out=tmp_path / "a")).kept(summary("bench", {}, Common()))
     assert json.loads((tmp_path / "a" / "summary.json").read_text())["status"] == "done"
