@@ -9,6 +9,7 @@ from armside.arrays import Array
 from armside.ilc.estimation.consistency import normalised_squared
 from armside.ilc.estimation.kalman import Smoother
 from armside.ilc.estimation.process import Process, sampled_noise
+from armside.sim.estimation.arm_filter import BIAS_WALK
 from armside.sim.estimation.deflection import Deflection, explained
 from armside.sim.estimation.elasticity import SpringPrior as SpringPrior
 from armside.sim.estimation.estimator import ToolEstimator
@@ -177,8 +178,8 @@ def kinematic_deviation(known: ToolEstimator, motion: RigidMotion, samples: ImuS
     C[range(6), low + np.array([0, 1, 2, 6, 7, 8])] = 1.0
     C[range(6), range(bias, size)] = 1.0
     C[range(6, 6 + a), range(a)] = 1.0
-    walk = known.process_noise.bias_walk
-    W[range(bias, size), range(bias, size)] = np.repeat([walk, 0.1 * walk], 3) ** 2
+    walk = np.repeat([BIAS_WALK, 0.1 * BIAS_WALK], 3)
+    W[range(bias, size), range(bias, size)] = walk**2
     Ad, Q = sampled_noise(A, W, 1.0 / imu.rate)
     R = np.diag(np.r_[np.diag(known.models[0].reading_covariance), np.full(a, TWIST**2)])
     P = np.diag(np.repeat([1e-14, 1e-12, 1e-6, 1e-2], [a, a, a, 18]))
