@@ -1,6 +1,6 @@
 """The learning loop, learning by hand, and the joint with friction."""
 
-from dataclasses import dataclass
+from dataclasses import FrozenInstanceError, dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -248,3 +248,9 @@ def test_a_log_that_does_not_fit_is_refused(tmp_path):
     np.savez(tmp_path / "other.npz", reference=np.zeros((5, 1)))
     with pytest.raises(ValueError, match="lacks corrections, outputs"):
         ByHand.load(tmp_path / "other.npz", LAW)
+
+
+def test_a_state_between_runs_does_not_change_in_place():
+    state = ByHand(law=LAW, reference=np.zeros((50, 2)))
+    with pytest.raises(FrozenInstanceError):
+        setattr(state, "outputs", (np.zeros((50, 2)),))  # noqa: B010
