@@ -91,6 +91,12 @@ def test_an_infeasible_design_states_the_feasible_bandwidth():
         propose(T_arm, 1.05 * feasible)
 
 
+def test_no_bandwidth_below_a_thousandth_of_the_asked_one_is_called_feasible():
+    """A shift of 8 s would contract far below 0.1 Hz."""
+    with pytest.raises(ValueError, match=r"up to 0 Hz one does"):
+        propose(TwoMassLoop().T_motor, 45.0, deltas=range(2000, 2001))
+
+
 @pytest.mark.parametrize(
     ("model", "bandwidth", "message"),
     [

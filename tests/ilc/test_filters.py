@@ -244,3 +244,9 @@ def test_importing_the_laws_spares_the_slow_imports():
     code = f"import sys, ilc; print([m for m in {slow} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("cutoff", [[5.0, 10.0], np.array([5.0, 10.0])], ids=["list", "array"])
+def test_cutoffs_are_the_same_filter_in_whatever_they_are_given(cutoff):
+    filters = {ZeroPhaseButterworth(given, 0.004) for given in (cutoff, (5.0, 10.0))}
+    assert len(filters) == 1

@@ -74,3 +74,17 @@ def test_the_least_singular_value_is_the_last_that_is_not_zero_elsewhere(robot):
     size = np.sqrt(np.sort(np.maximum(np.linalg.eigvalsh(J @ J.T), 0.0))[::-1])
     expected = size[regular_rank(robot) - 1]
     assert rank_loss(robot, phi).least_singular_value == pytest.approx(expected, rel=1e-6)
+
+
+def test_what_idle_motors_regain_at_second_order_alone_is_not_listed():
+    """By central differences of J v, beyond the range of J, for the idle rates v."""
+    turns = [Link(alpha=HALF), Link(alpha=-HALF), Link(a=1.0)]
+    robot = Robot([*turns, Link(alpha=HALF), Link(a=1.0, alpha=-HALF)])
+    phi, h = HALF * np.array([-1.0, 2.0, 0.0, -1.0, -1.0]), 1e-6
+    found, J = rank_loss(robot, phi), compile(robot).jacobian
+    assert (found.rank, found.regular_rank) == (4, 5)
+    beyond = np.eye(6) - J(phi) @ np.linalg.pinv(J(phi), rcond=1e-9)
+    for step in h * np.eye(5):
+        rate = (J(phi + step) - J(phi - step)) @ found.idle / (2.0 * h)
+        np.testing.assert_allclose(beyond @ rate, 0.0, atol=1e-8)
+    assert found.lost.shape == (6, 0)

@@ -2,11 +2,13 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from armside import assets
+from armside.scripts.commands.compare import _rows
 from armside.scripts.cutting.comparison import CompareCfg, cases_of, starts_of
 from armside.scripts.cutting.earlier import started as start_from
 from armside.scripts.shell.options import Common
@@ -88,3 +90,14 @@ def test_what_a_comparison_cannot_start_from_is_named(first, tmp_path):
     (tmp_path / "summary.json").write_text(json.dumps(summary))
     with pytest.raises(InputError, match="learning from estimate diverged at p1"):
         started(tmp_path)
+
+
+def test_a_row_of_a_comparison_has_diverged_where_its_last_run_has():
+    runs = [
+        SimpleNamespace(correction=np.zeros(2), tool=SimpleNamespace(rms=1e-3), diverged=k == 2)
+        for k in range(3)
+    ]
+    made = SimpleNamespace(motion=SimpleNamespace(reached_speed=0.06))
+    case = SimpleNamespace(experiment=lambda: made, cut=SimpleNamespace(pose="p1", speed=0.06))
+    rows = _rows(case, {"motor": runs, "tracker": runs[:2]})
+    assert [row["diverged"] for row in rows] == [True, False]

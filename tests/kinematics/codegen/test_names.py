@@ -105,3 +105,8 @@ def test_expanded_dynamics_keep_the_names_of_the_motor_angles():
     model = InertialModel(Robot([Link(a="phi1")]), [Body(mass=1)])
     with pytest.raises(ValueError, match="phi1 of robot"):
         symbolic_dynamics(model)
+
+
+def test_a_variable_without_an_index_comes_before_those_with_one():
+    program = program_of("f", sum(sp.symbols("a_10 a_2 a a_1")))
+    assert [str(one) for one in program.inputs[0].elements] == ["a", "a_1", "a_2", "a_10"]

@@ -15,3 +15,7 @@ def test_a_loop_that_is_gone_on_from_ends_after_as_many_updates_as_are_asked_for
     later = replace(first.state, loop=replace(first.state.loop, k=300))
     iterations = islice(learn(CUT, iterations=2, start=later, seed=0), 5)
     assert [iteration.k for iteration in iterations] == [0, 301, 302]
+
+
+def test_a_cut_is_learned_by_five_updates_where_no_number_is_given():
+    assert [iteration.k for iteration in learn(CUT, seed=0)] == [0, 1, 2, 3, 4, 5]

@@ -149,3 +149,12 @@ def test_learning_ends_when_all_contours_have_converged(experiment):
     assert len(found) < 12
     before, after = (np.linalg.norm(found[i].motor_error) for i in (0, -1))
     assert after < 0.5 * before
+
+
+def test_the_arc_length_is_that_of_all_moves_and_cuts(experiment):
+    """Beside the distances between samples, which cut corners by less than a sample's length."""
+    motion = experiment.motion
+    travelled = np.r_[0.0, np.linalg.norm(np.diff(motion.position, axis=0), axis=1).cumsum()]
+    whole = sum(leg.path.length for leg in motion.legs)
+    assert motion.arc_length[[0, -1]] == pytest.approx((0.0, whole))
+    np.testing.assert_allclose(motion.arc_length, travelled, rtol=0.0, atol=2e-3)

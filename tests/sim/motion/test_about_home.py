@@ -13,6 +13,7 @@ from armside.sim.imu.imu_specification import RestExperiment
 from armside.sim.motion.about_home import (
     MOTIONS,
     OF_TORQUE,
+    RISE,
     SWING,
     dynamics_of,
     programs_about,
@@ -130,3 +131,11 @@ def test_a_program_whose_moves_have_another_number_of_motors_is_refused():
     move = MoveJ(to=Target(motors=(0.1,) * 3), speed=Speed(share=0.5))
     with pytest.raises(ProgramError, match="motors must be 6 numbers, one for each motor, got 3"):
         Program(instructions=(move,))
+
+
+def test_acceleration_is_reached_within_the_rise_or_by_half_of_the_torque(two_axes):
+    cell, model, home = two_axes
+    slow = replace(cell.limits, speed=(1e-3, 2e-3))
+    assert dynamics_of(home, slow, model).joint_acceleration == pytest.approx(
+        (1e-3 / RISE, 2e-3 / RISE)
+    )

@@ -1,9 +1,11 @@
 """Recordings in bags: stamps, joints, frames and topics; and bags that cannot be read."""
 
 import re
+from typing import Any
 
 import numpy as np
 import pytest
+from rosbags.highlevel import AnyReader
 
 from armside.sim.recordings import BagTopics, MotionRecording, Stream, read_motion
 from armside.sim.recordings.bags.bag import joint_order
@@ -156,3 +158,17 @@ def test_the_order_of_joints_is_by_number_or_of_universal_robots():
     for names in (["a", "b"], ["a1", "b2"], ["a1", "a01"], ["a1", "a1"], []):
         with pytest.raises(ValueError, match="give --joints"):
             joint_order("/j", names, ())
+
+
+def test_a_written_imu_states_that_it_has_no_orientation(tmp_path):
+    """sensor_msgs/Imu: -1 as first element of a covariance; zeros say that it is unknown."""
+    imu = Stream(TIME, FORCE)
+    one = MotionRecording(name="x", encoders=Stream(TIME, PHI), imu=imu, form="")
+    write_bag(tmp_path / "bag", one)
+    with AnyReader([tmp_path / "bag"]) as bag:
+        (topic,) = [each for each in bag.connections if each.topic == "/imu"]
+        _, _, raw = next(bag.messages([topic]))
+        message: Any = bag.deserialize(raw, topic.msgtype)
+    assert message.orientation_covariance.tolist() == [-1.0] + 8 * [0.0]
+    assert not message.angular_velocity_covariance.any()
+    assert not message.linear_acceleration_covariance.any()

@@ -97,6 +97,10 @@ def test_damaged_traces_are_named(tmp_path):
     for changed, said in wrong:
         with pytest.raises(ValueError, match=said):
             read_log(trace(tmp_path, **changed))
+    file = trace(tmp_path)
+    file.write_bytes(file.read_bytes().replace(b"221,2", b"221,9"))  # of four columns
+    with pytest.raises(ValueError, match=r"AxisPos_Act1 begins at 9$"):
+        read_log(file)
     (tmp_path / "a_KRCIpo.r64").unlink()
     with pytest.raises(ValueError, match="does not exist"):
         read_log(tmp_path / "a_KRCIpo.dat")

@@ -108,3 +108,9 @@ def test_numbers_written_as_text_are_no_times():
     texts = table(TIME, "reference_1", "motor_angle_1").set_column(0, "time", [map(str, TIME)])
     with pytest.raises(ValueError, match=r"column time, row 1: numbers are needed, got '0.0'"):
         measure_table(texts, [1.0], None)
+
+
+def test_the_sample_where_a_clock_first_runs_backwards_is_counted_from_one():
+    time = -0.004 * np.abs(np.arange(300) - 6.0)  # the seventh is the latest
+    with pytest.raises(ValueError, match=r"runs backwards, first in sample 8$"):
+        repaired("encoders", time, VALUE[:, None])

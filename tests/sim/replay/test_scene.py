@@ -16,6 +16,7 @@ from armside.sim.motion.path import CuttingPath, Plane
 from armside.sim.motion.tool_motion import plan_cut
 from armside.sim.records.signals import RecordedRun
 from armside.sim.replay import film
+from armside.sim.replay.blueprint import Layout, _robot
 from armside.sim.replay.entities import shapes
 from armside.sim.replay.offscreen import drawn_model, named_camera, widen
 from armside.sim.replay.paths import Contour, fitting_magnification
@@ -289,3 +290,18 @@ def test_a_camera_is_widened_to_the_edge_of_a_ball(x, y, half):
     widen(mj, data, camera, aspect=2.0)
     nearest = max(half, 0.1 / 1.9)
     assert mj.cam_fovy[0] == pytest.approx(2.0 * np.degrees(np.arctan(nearest)), rel=1e-9)
+
+
+def test_the_robot_is_seen_from_a_little_more_than_its_reach_away():
+    layout = Layout(
+        name="", factor=1.0, target=np.array([2.0, 0.0, 1.0]), height=2.0, worst=100.0, end=1.0,
+        is_part=False,
+    )  # fmt: skip
+    eye = _robot(layout)[0].properties["EyeControls3D"]
+    position, middle = (
+        np.array(a.as_arrow_array().to_pylist()[0]) for a in (eye.position, eye.look_target)
+    )
+    np.testing.assert_allclose(middle, [1.0, 0.0, 1.0])
+    reach = 2.0 + 2.0
+    assert reach < np.linalg.norm(position - middle) < 1.25 * reach
+    assert position[1] < 0.0 < position[2] - middle[2]  # from the side and a little above

@@ -49,3 +49,11 @@ def test_error_of_a_joint_is_the_sum_of_its_terms():
 def test_a_robot_without_that_joint_is_refused():
     with pytest.raises(ValueError, match="gear error of joint 3: the robot has 2 joints"):
         gear_error_of(TERMS, 2)
+
+
+def test_the_rate_of_an_error_is_its_derivative_along_a_motion():
+    phi, h = np.random.default_rng(1).uniform(-1.0, 1.0, (50, 3)), 1e-6
+    error, velocity = gear_error_of(TERMS, 3), np.array([0.3, -2.0, 1.5])
+    quotient = (error(phi + h * velocity) - error(phi - h * velocity)) / (2.0 * h)
+    rate = error.rate(phi, np.tile(velocity, (50, 1)))
+    np.testing.assert_allclose(rate, quotient, atol=1e-9)  # of 5e-3: rounding over h is 1e-11

@@ -103,3 +103,18 @@ def test_a_run_without_its_truth_is_noted_as_any_other_table(tmp_path):
     for taken_out in (["k"], truth):
         pq.write_table(table.drop_columns(taken_out), file)
         assert notes_of_first_run(file) == []
+
+
+def test_a_tracker_is_read_on_its_own_clock(run, table, tmp_path):
+    """A target in even motion, which no low-pass changes, does so between rows of the log."""
+    speed, first = np.array([0.01, -0.02, 0.03]), np.array([1.5, 0.2, 0.9])
+    own = np.arange(0.0, run.recording.time[-1] + 0.01, 1e-3)
+    position = first + own[:, None] * speed
+    seen = {"time": own + START} | {f"tracker_{c}": position[:, i] for i, c in enumerate("xyz")}
+    whole = pa.concat_tables([table, pa.table(seen)], promote_options="default")
+    pq.write_table(whole, tmp_path / "cut.parquet")
+    read = read_cut(tmp_path / "cut.parquet", "tracker")
+    assert read.tool is not None
+    steps = np.diff(read.tool, axis=0)[100:-100]  # the low-pass starts and ends at rest
+    np.testing.assert_allclose(steps, np.tile(0.004 * speed, (len(steps), 1)), atol=1e-9)
+    assert read.rest == pytest.approx(first, abs=5e-3)
