@@ -133,7 +133,7 @@ def test_a_program_whose_moves_have_another_number_of_motors_is_refused():
         Program(instructions=(move,))
 
 
-def test_acceleration_is_reached_within_the_rise_or_by_half_of_the_torque(two_axes):
+def test_the_speed_of_a_programme_is_reached_within_its_rise(two_axes):
     cell, model, home = two_axes
     slow = replace(cell.limits, speed=(1e-3, 2e-3))
     assert dynamics_of(home, slow, model).joint_acceleration == pytest.approx(
