@@ -150,8 +150,11 @@ class ToolOutput:
             every = round(LOG_PERIOD / float(log.truth.time[1]))
             position, quaternion = log.truth.tool_position, log.truth.tool_quaternion
             return relative_to_start(position[::every], quaternion[::every])
-        if source is Source.TRACKER:
-            return _tracked(log.time, run)
+        if source is Source.TRACKER:  # low-passed, at the instants of the log; NaN of a lost beam
+            seen, period = run.tracker, float(run.tracker.time[1] - run.tracker.time[0])
+            smooth = ZeroPhaseButterworth(_TRACKER_FILTER, period)(seen.position)
+            at = np.clip(np.rint(log.time / period).astype(int), 0, len(smooth) - 1)
+            return relative_to_start(smooth[at])
         found = self.estimated(run)
         valid = validity(found, log.time)
         self._validity[:] = [valid]
@@ -181,12 +184,3 @@ class ToolOutput:
     def size(self, error: Array) -> Array:
         """Norm of the displacement: orientations do not count."""
         return np.array([float(np.linalg.norm(error[:, :3]))])
-
-
-def _tracked(time: Array, run: Pass) -> Array:
-    """Low-passed tracker positions at the instants of the log. A lost beam makes them NaN."""
-    seen = run.tracker
-    period = float(seen.time[1] - seen.time[0])
-    smooth = ZeroPhaseButterworth(_TRACKER_FILTER, period)(seen.position)
-    at = np.clip(np.rint(time / period).astype(int), 0, len(smooth) - 1)
-    return relative_to_start(smooth[at])
