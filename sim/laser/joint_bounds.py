@@ -58,10 +58,7 @@ class JointBounds:
     """Highest speed along the path [m/s], for friction."""
 
     def along(self, paths: Sequence[Chain]) -> list[BoundsAt | None]:
-        """Limits along each path in the drawing; None where none can be reached.
-
-        Raises ValueError where a path is out of reach or of the joints' ranges.
-        """
+        """Limits along each path in the drawing; None where none can be reached."""
         found: list[BoundsAt | None] = [None] * len(paths)
         near = [
             i
@@ -109,10 +106,7 @@ class JointBounds:
         )
 
     def _derivatives(self, paths: Sequence[tuple[Chain, Array]], phi: Array) -> tuple[Array, Array]:
-        """phi' and phi'' (N, 6) by the arc length: J phi' = p', J phi'' = p'' - J' phi'.
-
-        The tool's orientation is constant.
-        """
+        """phi' and phi'' (N, 6) by the arc length: J phi' = p', J phi'' = p'' - J' phi'."""
         heading = np.concatenate([path.direction(s) for path, s in paths])
         curvature = np.concatenate([path.curvature_at(s) for path, s in paths])
         along = np.stack([np.cos(heading), np.sin(heading)], axis=1)

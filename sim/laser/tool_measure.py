@@ -82,12 +82,9 @@ class ToolPath:
         return lambda first: self.commissioned(experiment, arm, first)
 
     def commissioned(self, experiment: Experiment, arm: NominalArm, first: Pass) -> "ToolOutput":
-        """The measure set up by a run.
+        """The measure set up by a run; a tracker without an IMU has its law on the assumed springs.
 
-        A tracker needs no IMU: without one its law is built on the assumed springs.
-
-        Raises:
-            ImuError: the estimate's IMU cannot be used, and the options refuse to go on.
+        Raises ImuError where the estimate's IMU cannot be used, and the options refuse to go on.
         """
         robot, log, cfg = experiment.nominal, first.recording, self.commissioning
         if self.source is not Source.ESTIMATE:
@@ -142,8 +139,7 @@ class ToolOutput:
     def __call__(self, run: Pass) -> Array:
         """Path of a run. Where an estimate is not valid it is the reference: nothing is learned.
 
-        Raises:
-            ImuError: the IMU failed in this run, and the options refuse to go on.
+        Raises ImuError where the IMU failed in this run, and the options refuse to go on.
         """
         log, source = run.recording, self.measure.source
         if source is Source.TRUTH:

@@ -191,10 +191,7 @@ def hexagon(across_flats: float, corner_radius: float) -> ArcsAndLines:
 
 
 def regular_polygon(n: int, across_flats: float, corner_radius: float) -> ArcsAndLines:
-    """Polygon of n sides, each half of `across_flats` [m] from the centre; starts in mid-side.
-
-    Raises ValueError unless 0 < corner radius <= half of across_flats.
-    """
+    """Polygon of n sides, each half of `across_flats` [m] from the centre; starts in mid-side."""
     _require_positive("size", across_flats)
     if not 0.0 < corner_radius <= across_flats / 2:
         raise ValueError(

@@ -58,10 +58,7 @@ class Curve:
 def move_curve(
     move: MoveJ | MoveL | MoveC, start: Array, robot: CompiledRobot, limits: Limits
 ) -> Curve:
-    """Curve of a move from motor angles `start`, zones included.
-
-    Raises ValueError where it cannot be followed, with the place.
-    """
+    """Curve of a move from motor angles `start`, zones included; ValueError where it cannot be followed."""
     from scipy.interpolate import PPoly
 
     if isinstance(move, MoveJ):
@@ -87,10 +84,7 @@ def _motors(to: Target, start: Array, robot: CompiledRobot, limits: Limits) -> A
 
 
 def _numeric(robot: CompiledRobot, T: Array, start: Array, limits: Limits | None) -> Array:
-    """Motor angles (N, n) of poses T (N, 4, 4), near `start` and along from there.
-
-    An arm with fewer than six axes reaches positions; its tool is turned as they have it.
-    """
+    """Motor angles (N, n) of poses T (N, 4, 4); positions alone of an arm below six axes."""
     targets = T if robot.robot.n_joints >= HELD_FROM else T[:, :3, 3]
     return inverse_numeric_path(robot.robot, targets, start, limits=limits)
 

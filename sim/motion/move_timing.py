@@ -55,10 +55,7 @@ def joint_acceleration(speed: Speed, dynamics: Dynamics) -> Array:
 
 
 def programmed_rate(speed: Speed, full: float, tool_rate: Array | float) -> Array | float:
-    """w' [1/s] at the programmed speed.
-
-    full: w' [1/s] at the joints' speed limits; tool_rate: [m] of tool path per unit of w.
-    """
+    """w' [1/s] as programmed. full: at the joints' limits; tool_rate: path [m] per unit of w."""
     if speed.share:
         return speed.share * full
     return (speed.path or 0.0) / np.maximum(tool_rate, TINY)
@@ -187,10 +184,7 @@ def _reachable(speed: float, limits: PieceLimits, jerk_time: float) -> float:
 
 
 def fastest(bounds: VaryingLimits, jerk_time: float) -> Timing:
-    """Fastest timing of w from 0 to 1, at rest at both ends.
-
-    jerk_time: [s], in which the acceleration builds up, falls or changes sign.
-    """
+    """Fastest timing of w from 0 to 1, at rest at both ends; jerk_time: of an acceleration [s]."""
     x = bounds.speed**2
     x[[0, -1]] = 0.0
     x = _reached(x, bounds.along, bounds.bend)

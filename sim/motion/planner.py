@@ -120,10 +120,7 @@ def plan_program(
 
 
 def straight_timing(program: Program, robot: Robot, limits: Limits) -> Timing:
-    """Timing of a program of one MoveL, as its fraction of the way from 0 to 1.
-
-    Raises ProgramError as `plan_program`.
-    """
+    """Timing of a program of one MoveL, as its fraction of the way. Raises as `plan_program`."""
     pieces, timings = _Planner(program, compile_robot(robot), limits).fastest([0])
     begins = np.concatenate([[0.0], np.cumsum([timing.duration for timing in timings])])
     start, states = list[Array](), list[Array]()

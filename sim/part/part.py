@@ -56,10 +56,7 @@ class Part:
 
 
 def part_of(chains: list[Joined], notes: tuple[str, ...] = ()) -> Part:
-    """Contours told apart by what contains them; the largest is the outline.
-
-    Raises ValueError for chains that cross themselves or each other, or lie outside the outline.
-    """
+    """Contours told apart by what contains them; the largest is the outline."""
     if not chains:
         raise ValueError("there is nothing to cut")
     around = [i for i, each in enumerate(chains) if each.chain.closed]
