@@ -58,7 +58,7 @@ class Curve:
 def move_curve(
     move: MoveJ | MoveL | MoveC, start: Array, robot: CompiledRobot, limits: Limits
 ) -> Curve:
-    """Curve of a move from motor angles `start`, zones included; ValueError where it cannot be followed."""
+    """Curve of a move from motor angles `start`, zones included; ValueError where there is none."""
     from scipy.interpolate import PPoly
 
     if isinstance(move, MoveJ):
