@@ -49,11 +49,7 @@ class Kerf:
 
     @property
     def roundness(self) -> float:
-        """Width [m] of the band around the hole's programmed edge that contains the actual one.
-
-        For a circle: largest minus smallest distance from the least-squares centre. NaN where the
-        path has gaps.
-        """
+        """Width [m] of the band around the hole's programmed edge that has the actual one."""
         return float(np.ptp(self.hole_deviation))
 
 

@@ -71,10 +71,7 @@ class MotionError:
 def motion_error(
     motion: Programmed, truth: Truth, mj: mujoco.MjModel, *, free_rotation: bool = False
 ) -> MotionError:
-    """Error of a run from its ground truth, at 1 kHz.
-
-    mj: model with the sites `tool0` and `imu`, and gravity.
-    """
+    """Error of a run from its ground truth, at 1 kHz. mj: with sites `tool0`, `imu` and gravity."""
     from scipy.signal import savgol_filter
 
     step = float(truth.time[1] - truth.time[0])

@@ -90,7 +90,14 @@ class _Still:
 
 def named_poses(cell: Cell) -> list[NamedPose]:
     """All poses of a cell, in the order of its file."""
-    return [_found(cell, name, pose) for name, pose in cell.poses.items()]
+    found = list[NamedPose]()
+    for name, pose in cell.poses.items():
+        try:
+            phi = _motor_angles(cell, pose)
+            found.append(NamedPose(name, phi, "", _dexterity(cell, phi)))
+        except ValueError as error:
+            found.append(NamedPose(name, None, str(error), np.nan, _nearest(cell, pose)))
+    return found
 
 
 def checks_of(found: list[NamedPose]) -> list[Check]:
@@ -106,14 +113,6 @@ def checks_of(found: list[NamedPose]) -> list[Check]:
         far = f"least over greatest singular value of the Jacobian, pose {worst.name}"
         checks.append(_check(far, worst.dexterity, low=LEAST_DEXTERITY))
     return checks
-
-
-def _found(cell: Cell, name: str, pose: ToolPose) -> NamedPose:
-    try:
-        phi = _motor_angles(cell, pose)
-    except ValueError as error:
-        return NamedPose(name, None, str(error), float("nan"), _nearest(cell, pose))
-    return NamedPose(name, phi, "", _dexterity(cell, phi))
 
 
 def _motor_angles(cell: Cell, pose: ToolPose) -> Array:

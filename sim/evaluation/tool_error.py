@@ -79,10 +79,7 @@ def tool_error(motion: ProgrammedContour, time: Array, position: Array) -> ToolE
 
 
 def _centre(points: Array, radius: float) -> Array:
-    """Least-squares centre (2,) of one turn, or the mean where that runs away from the path.
-
-    points: (M, 2) [m], evenly around the turn. radius: programmed [m].
-    """
+    """Least-squares centre (2,) of one turn (M, 2), or the mean where that runs away from it."""
     mean = points.mean(axis=0)
     try:
         centre = measures.circle_centre(points)
@@ -101,10 +98,7 @@ class Fit(NamedTuple):
 
 
 def fit(contour: ClosedCurve, p: Array) -> Fit:
-    """Least-squares registration of points (N, 2) [m] on a contour, by Gauss-Newton.
-
-    The rotation of a circle is undetermined: it is only moved.
-    """
+    """Registration of points (N, 2) [m] on a contour, by Gauss-Newton; a circle is only moved."""
     rotate = not isinstance(contour, Circle)
     moved = np.array(p, dtype=np.float64)
     for _ in range(STEPS):

@@ -41,9 +41,7 @@ MOVING = 0.4
 def identified(experiment: Experiment, arm: NominalArm) -> dict[str, Any]:
     """Springs identified from one cut, as `armside identify` writes them, beside the ground truth.
 
-    arm: the assumed arm, `ToolPath.assumed`.
-
-    Raises ImuError: the IMU cannot be used.
+    arm: the assumed arm, `ToolPath.assumed`. Raises ImuError where the IMU cannot be used.
     """
     made, unit, imu = first_run(experiment), experiment.plant.imu, experiment.cut.imu
     log, made_notes = made.recording, pass_notes(experiment, made)

@@ -58,10 +58,7 @@ class JointBounds:
     """Highest speed along the path [m/s], for friction."""
 
     def along(self, paths: Sequence[Chain]) -> list[BoundsAt | None]:
-        """Limits along each path in the drawing; None where none can be reached.
-
-        Raises ValueError where a path is out of reach or of the joints' ranges.
-        """
+        """Limits along each path in the drawing; None where none can be reached."""
         found: list[BoundsAt | None] = [None] * len(paths)
         near = [
             i
@@ -76,11 +73,16 @@ class JointBounds:
     def _each(
         self, paths: Sequence[Chain], chosen: Sequence[int], coarser: float = 1.0
     ) -> Iterator[tuple[int, Array, Bounds]]:
-        batch = list[tuple[int, Array]]()
-        for i in chosen:
-            batch.append((i, _places(paths[i], coarser)))
-            if sum(len(places) for _, places in batch) > TOGETHER or i == chosen[-1]:
-                yield from self._at([(i, paths[i], places) for i, places in batch])
+        batch = list[tuple[Chain, Array]]()
+        for n, i in enumerate(chosen, start=1):
+            batch.append((paths[i], _places(paths[i], coarser)))
+            sizes = [len(s) for _, s in batch]
+            if sum(sizes) > TOGETHER or n == len(chosen):
+                phi = self._motors([path.point(s) for path, s in batch])
+                whole = self._bounds(phi, *self._derivatives(batch, phi))
+                parts = zip(*(np.split(part, np.cumsum(sizes)[:-1]) for part in whole), strict=True)
+                for k, (_, s), own in zip(chosen[n - len(batch) : n], batch, parts, strict=True):
+                    yield k, s, Bounds(*own)
                 batch = []
 
     def _can_limit(self, known: Bounds, fraction: float = 1.0) -> bool:
@@ -89,14 +91,6 @@ class JointBounds:
         used = acceleration * np.abs(known.along) + np.abs(known.offset)
         used += self.speed**2 * np.abs(known.bend)
         return bool((fraction * known.speed < self.speed).any() or (used > fraction).any())
-
-    def _at(self, batch: Sequence[tuple[int, Chain, Array]]) -> Iterator[tuple[int, Array, Bounds]]:
-        phi = self._motors([path.point(s) for _, path, s in batch])
-        whole = self._bounds(phi, *self._derivatives([(path, s) for _, path, s in batch], phi))
-        end = 0
-        for i, _, places in batch:
-            begin, end = end, end + len(places)
-            yield i, places, Bounds(*(part[begin:end] for part in whole))
 
     def _bounds(self, phi: Array, slope: Array, bend: Array) -> Bounds:
         limits, statics = self.setup.cell.limits, self.controller
@@ -112,10 +106,7 @@ class JointBounds:
         )
 
     def _derivatives(self, paths: Sequence[tuple[Chain, Array]], phi: Array) -> tuple[Array, Array]:
-        """phi' and phi'' (N, 6) by the arc length: J phi' = p', J phi'' = p'' - J' phi'.
-
-        The tool's orientation is constant.
-        """
+        """phi' and phi'' (N, 6) by the arc length: J phi' = p', J phi'' = p'' - J' phi'."""
         heading = np.concatenate([path.direction(s) for path, s in paths])
         curvature = np.concatenate([path.curvature_at(s) for path, s in paths])
         along = np.stack([np.cos(heading), np.sin(heading)], axis=1)

@@ -85,10 +85,7 @@ class PartCut(Setup[PartMotion]):
 
     @cached_property
     def motion(self) -> PartMotion:
-        """Of the tool, which starts at the lower left corner of the part's box.
-
-        Raises ValueError where the part is out of reach, with the place.
-        """
+        """Of the tool, which starts at the lower left corner of the part's box."""
         legs, (a, b) = tuple(self._legs()), map(float, self.part.middle)
         return PartMotion(
             legs=legs,
@@ -212,10 +209,7 @@ def timed(motion: PartMotion) -> Sequence[Timed]:
 
 
 def reference(setup: Setup, controller: Statics, motion: PartMotion) -> Array:
-    """(N, 6) [rad], inverse kinematics of the motion, shifted against the anticipated deflection.
-
-    Raises ValueError where the part leaves the reach, joint ranges or joint speeds, with the place.
-    """
+    """(N, 6) [rad], of the motion, shifted against the anticipated deflection."""
     robot, limits = setup.cell.robot, setup.cell.limits
     try:
         phi = joint_reference(motion, robot, limits)

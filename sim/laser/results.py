@@ -187,10 +187,7 @@ def quality(
     repeated: Sequence[Pass],
     beam: float,
 ) -> dict[str, Any]:
-    """The edge that a beam of that diameter [mm] leaves, and measures after ISO 9283 [m].
-
-    repeated: runs with the last correction.
-    """
+    """The edge that a beam of that diameter [mm] leaves, and measures after ISO 9283 [m]."""
     motion, beam = experiment.motion, beam * 1e-3
     cuts = [kerf(motion.curve, it.tool.path, beam) for it in iterations]
     true_cuts = [kerf(motion.curve, it.tool_true.path, beam) for it in iterations]

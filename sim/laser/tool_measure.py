@@ -82,12 +82,9 @@ class ToolPath:
         return lambda first: self.commissioned(experiment, arm, first)
 
     def commissioned(self, experiment: Experiment, arm: NominalArm, first: Pass) -> "ToolOutput":
-        """The measure set up by a run.
+        """The measure set up by a run; a tracker without an IMU has its law on the assumed springs.
 
-        A tracker needs no IMU: without one its law is built on the assumed springs.
-
-        Raises:
-            ImuError: the estimate's IMU cannot be used, and the options refuse to go on.
+        Raises ImuError where the estimate's IMU cannot be used, and the options refuse to go on.
         """
         robot, log, cfg = experiment.nominal, first.recording, self.commissioning
         if self.source is not Source.ESTIMATE:
@@ -142,16 +139,18 @@ class ToolOutput:
     def __call__(self, run: Pass) -> Array:
         """Path of a run. Where an estimate is not valid it is the reference: nothing is learned.
 
-        Raises:
-            ImuError: the IMU failed in this run, and the options refuse to go on.
+        Raises ImuError where the IMU failed in this run, and the options refuse to go on.
         """
         log, source = run.recording, self.measure.source
         if source is Source.TRUTH:
             every = round(LOG_PERIOD / float(log.truth.time[1]))
             position, quaternion = log.truth.tool_position, log.truth.tool_quaternion
             return relative_to_start(position[::every], quaternion[::every])
-        if source is Source.TRACKER:
-            return _tracked(log.time, run)
+        if source is Source.TRACKER:  # low-passed, at the instants of the log; NaN of a lost beam
+            seen, period = run.tracker, float(run.tracker.time[1] - run.tracker.time[0])
+            smooth = ZeroPhaseButterworth(_TRACKER_FILTER, period)(seen.position)
+            at = np.clip(np.rint(log.time / period).astype(int), 0, len(smooth) - 1)
+            return relative_to_start(smooth[at])
         found = self.estimated(run)
         valid = validity(found, log.time)
         self._validity[:] = [valid]
@@ -181,12 +180,3 @@ class ToolOutput:
     def size(self, error: Array) -> Array:
         """Norm of the displacement: orientations do not count."""
         return np.array([float(np.linalg.norm(error[:, :3]))])
-
-
-def _tracked(time: Array, run: Pass) -> Array:
-    """Low-passed tracker positions at the instants of the log. A lost beam makes them NaN."""
-    seen = run.tracker
-    period = float(seen.time[1] - seen.time[0])
-    smooth = ZeroPhaseButterworth(_TRACKER_FILTER, period)(seen.position)
-    at = np.clip(np.rint(time / period).astype(int), 0, len(smooth) - 1)
-    return relative_to_start(smooth[at])

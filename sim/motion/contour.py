@@ -122,26 +122,21 @@ class ArcsAndLines:
     def nearest(self, p: Array) -> Array:
         best, s = np.full(len(p), np.inf), np.zeros(len(p))
         for i, (length, curvature) in enumerate(self.elements):
-            along = self._foot(p, i, length, curvature)
-            at = self._corners[i] + chord(along, curvature, self._heading[i])
+            heading, offset = self._heading[i], p - self._corners[i]
+            tangent = np.array([np.cos(heading), np.sin(heading)])
+            along = np.clip(offset @ tangent, 0.0, length)
+            if curvature != 0.0:
+                # Angle about the centre of the arc, from its start.
+                to_centre = offset @ np.array([-tangent[1], tangent[0]]) - 1.0 / curvature
+                side = np.sign(curvature)
+                angle = np.arctan2(offset @ tangent * side, -to_centre * side)
+                along = np.mod(angle, 2.0 * np.pi) / abs(curvature)
+                along = np.minimum(along, length)  # beyond its end another element is as near
+            at = self._corners[i] + chord(along, curvature, heading)
             distance = np.linalg.norm(p - at, axis=1)
             closer = distance < best
             best[closer], s[closer] = distance[closer], self._ends[i] + along[closer]
         return s
-
-    def _foot(self, p: Array, i: int, length: float, curvature: float) -> Array:
-        """Arc length from the start of element i to its point nearest to each of p."""
-        heading = self._heading[i]
-        tangent = np.array([np.cos(heading), np.sin(heading)])
-        normal = np.array([-tangent[1], tangent[0]])
-        offset = p - self._corners[i]
-        if curvature == 0.0:
-            return np.clip(offset @ tangent, 0.0, length)
-        # Angle about the centre of the arc, from its start.
-        to_centre = offset @ normal - 1.0 / curvature
-        angle = np.arctan2(offset @ tangent * np.sign(curvature), -to_centre * np.sign(curvature))
-        along = np.mod(angle, 2.0 * np.pi) / abs(curvature)
-        return np.minimum(along, length)  # beyond its end another element is as near
 
     def _locate(self, s: ArrayLike) -> tuple[NDArray[np.int64], Array]:
         wrapped = np.mod(np.asarray(s, dtype=np.float64), self.length)
@@ -196,10 +191,7 @@ def hexagon(across_flats: float, corner_radius: float) -> ArcsAndLines:
 
 
 def regular_polygon(n: int, across_flats: float, corner_radius: float) -> ArcsAndLines:
-    """Polygon of n sides, each half of `across_flats` [m] from the centre; starts in mid-side.
-
-    Raises ValueError unless 0 < corner radius <= half of across_flats.
-    """
+    """Polygon of n sides, each half of `across_flats` [m] from the centre; starts in mid-side."""
     _require_positive("size", across_flats)
     if not 0.0 < corner_radius <= across_flats / 2:
         raise ValueError(

@@ -33,6 +33,8 @@ LARGEST_FRACTION = 0.49
 """Largest fraction of a move that a zone takes at either end."""
 HELD_FROM = 6
 """Axes from which on a move sets the tool's orientation too."""
+PointAt = Callable[[Array], Array]
+"""(N,) fractions of a path -> (N, 3) [m]."""
 SAMPLES = 201
 """Points of a curve at which its extremes are looked for."""
 
@@ -58,18 +60,19 @@ class Curve:
 def move_curve(
     move: MoveJ | MoveL | MoveC, start: Array, robot: CompiledRobot, limits: Limits
 ) -> Curve:
-    """Curve of a move from motor angles `start`, zones included.
-
-    Raises ValueError where it cannot be followed, with the place.
-    """
+    """Curve of a move from motor angles `start`, zones included; ValueError where there is none."""
     from scipy.interpolate import PPoly
 
     if isinstance(move, MoveJ):
         end = _motors(move.to, start, robot, limits)
         return Curve(PPoly(np.stack([end - start, start])[:, np.newaxis], [0.0, 1.0]))
     T = robot.pose(start)
-    path = _line(T, move) if isinstance(move, MoveL) else _arc(T, move)
-    return _followed(path, start, T, move.to, robot)
+    p = T[:3, 3]
+    way = np.array(move.to.position) - p
+    if isinstance(move, MoveC):
+        return _followed(*_arc(T, move), start, T, move.to, robot)
+    length = float(np.linalg.norm(way))
+    return _followed(length, lambda u: p + u[:, np.newaxis] * way, start, T, move.to, robot)
 
 
 def _motors(to: Target, start: Array, robot: CompiledRobot, limits: Limits) -> Array:
@@ -87,10 +90,7 @@ def _motors(to: Target, start: Array, robot: CompiledRobot, limits: Limits) -> A
 
 
 def _numeric(robot: CompiledRobot, T: Array, start: Array, limits: Limits | None) -> Array:
-    """Motor angles (N, n) of poses T (N, 4, 4), near `start` and along from there.
-
-    An arm with fewer than six axes reaches positions; its tool is turned as they have it.
-    """
+    """Motor angles (N, n) of poses T (N, 4, 4); positions alone of an arm below six axes."""
     targets = T if robot.robot.n_joints >= HELD_FROM else T[:, :3, 3]
     return inverse_numeric_path(robot.robot, targets, start, limits=limits)
 
@@ -106,16 +106,7 @@ def _end_rotation(T_start: Array, to: Target) -> Array:
     return T_start[:3, :3] if to.quaternion is None else from_quaternion(to.quaternion)
 
 
-_Path = tuple[float, Callable[[Array], Array]]
-"""Length [m]; (N,) fractions of it -> (N, 3) [m]."""
-
-
-def _line(T: Array, move: MoveL) -> _Path:
-    start, way = T[:3, 3], np.array(move.to.position) - T[:3, 3]
-    return float(np.linalg.norm(way)), lambda u: start + u[:, np.newaxis] * way
-
-
-def _arc(T: Array, move: MoveC) -> _Path:
+def _arc(T: Array, move: MoveC) -> tuple[float, PointAt]:
     """The circle through three points, from the first over the second to the third."""
     start, via, end = T[:3, 3], np.array(move.via), np.array(move.to.position)
     normal = np.cross(via - start, end - via)
@@ -139,13 +130,14 @@ def _arc(T: Array, move: MoveC) -> _Path:
     return radius * angle, point
 
 
-def _followed(path: _Path, start: Array, T: Array, to: Target, robot: CompiledRobot) -> Curve:
+def _followed(
+    length: float, point: PointAt, start: Array, T: Array, to: Target, robot: CompiledRobot
+) -> Curve:
     """Motor angles along a path, rotated at an even rate over its length."""
     from scipy.interpolate import CubicSpline
 
     q_start, q_end = to_quaternion(T[:3, :3]), to_quaternion(_end_rotation(T, to))
     rotation = 2.0 * np.arccos(np.clip(abs(q_start @ q_end), 0.0, 1.0))
-    length, point = path
     if length < 1e-6 and rotation < 1e-6:
         raise ValueError("the move ends where it starts")
     n = 1 + int(np.ceil(max(length / NODE_DISTANCE, rotation / NODE_ANGLE, 50)))

@@ -55,10 +55,7 @@ def joint_acceleration(speed: Speed, dynamics: Dynamics) -> Array:
 
 
 def programmed_rate(speed: Speed, full: float, tool_rate: Array | float) -> Array | float:
-    """w' [1/s] at the programmed speed.
-
-    full: w' [1/s] at the joints' speed limits; tool_rate: [m] of tool path per unit of w.
-    """
+    """w' [1/s] as programmed. full: at the joints' limits; tool_rate: path [m] per unit of w."""
     if speed.share:
         return speed.share * full
     return (speed.path or 0.0) / np.maximum(tool_rate, TINY)
@@ -137,15 +134,10 @@ def piece_limits(
 def time_chain(
     curves: Sequence[Curve], limits: Sequence[PieceLimits], jerk_time: float
 ) -> list[Timing]:
-    """From rest at the start of the first curve to rest at the end of the last."""
-    ends = _end_speeds(curves, limits, jerk_time)
-    return [_timed(*piece, jerk_time) for piece in zip(limits, *ends, strict=True)]
+    """From rest at the start of the first curve to rest at the end of the last.
 
-
-def _end_speeds(
-    curves: Sequence[Curve], limits: Sequence[PieceLimits], jerk_time: float
-) -> tuple[Array, Array]:
-    """Speed in w at the start and at the end of each piece: a forward and a backward pass."""
+    A forward and a backward pass find the speeds in w at the start and the end of each piece.
+    """
     n = len(curves)
     rate_first = np.array([np.linalg.norm(c.at(0.0, 1)) for c in curves])
     rate_last = np.array([np.linalg.norm(c.at(1.0, 1)) for c in curves])
@@ -160,7 +152,17 @@ def _end_speeds(
     for j in reversed(range(n)):
         end = junction[j + 1] / max(rate_last[j], TINY)
         junction[j] = min(junction[j], _reachable(end, limits[j], jerk_time) * rate_first[j])
-    return junction[:-1] / np.maximum(rate_first, TINY), junction[1:] / np.maximum(rate_last, TINY)
+    timings = list[Timing]()
+    starts = junction[:-1] / np.maximum(rate_first, TINY)
+    ends = junction[1:] / np.maximum(rate_last, TINY)
+    for piece, first, last in zip(limits, starts.tolist(), ends.tolist(), strict=True):
+        asked = ruckig.InputParameter(1)
+        asked.current_velocity, asked.target_velocity = [first], [last]
+        asked.target_position, asked.max_velocity = [1.0], [max(piece.speed, first, last)]
+        asked.max_acceleration = [piece.acceleration]
+        asked.max_jerk = [piece.acceleration / jerk_time]
+        timings.append(jerk_limited(asked, f"from {first} to {last} 1/s"))
+    return timings
 
 
 def _reachable(speed: float, limits: PieceLimits, jerk_time: float) -> float:
@@ -181,20 +183,8 @@ def _reachable(speed: float, limits: PieceLimits, jerk_time: float) -> float:
     return low * (1.0 - 1e-9)
 
 
-def _timed(limits: PieceLimits, first: float, last: float, jerk_time: float) -> Timing:
-    asked = ruckig.InputParameter(1)
-    asked.current_velocity, asked.target_velocity = [first], [last]
-    asked.target_position, asked.max_velocity = [1.0], [max(limits.speed, first, last)]
-    asked.max_acceleration = [limits.acceleration]
-    asked.max_jerk = [limits.acceleration / jerk_time]
-    return jerk_limited(asked, f"from {first} to {last} 1/s")
-
-
 def fastest(bounds: VaryingLimits, jerk_time: float) -> Timing:
-    """Fastest timing of w from 0 to 1, at rest at both ends.
-
-    jerk_time: [s], in which the acceleration builds up, falls or changes sign.
-    """
+    """Fastest timing of w from 0 to 1, at rest at both ends; jerk_time: of an acceleration [s]."""
     x = bounds.speed**2
     x[[0, -1]] = 0.0
     x = _reached(x, bounds.along, bounds.bend)
@@ -227,15 +217,10 @@ def averaged(x: Array, window: float) -> Timing:
     acceleration = np.diff(x) / (2.0 * step)
     start = np.unique(np.concatenate([knots, knots + window]))
     middle = start[:-1] + 0.5 * np.diff(start)
-    entering, leaving = (_held(acceleration, knots, t) for t in (middle, middle - window))
+    held = np.concatenate([[0.0], acceleration, [0.0]])  # between knots, zero outside
+    times = middle, middle - window
+    entering, leaving = (held[np.searchsorted(knots, time, side="right")] for time in times)
     return Timing.of_jerk(start[:-1], (entering - leaving) / window, float(start[-1]))
-
-
-def _held(values: Array, knots: Array, time: Array) -> Array:
-    """Zero-order hold between knots, zero outside."""
-    k = np.searchsorted(knots, time, side="right") - 1
-    inside = (k >= 0) & (k < len(values))
-    return np.where(inside, values[np.clip(k, 0, len(values) - 1)], 0.0)
 
 
 def _excess(timing: Timing, bounds: VaryingLimits) -> float:

@@ -120,10 +120,7 @@ def plan_program(
 
 
 def straight_timing(program: Program, robot: Robot, limits: Limits) -> Timing:
-    """Timing of a program of one MoveL, as its fraction of the way from 0 to 1.
-
-    Raises ProgramError as `plan_program`.
-    """
+    """Timing of a program of one MoveL, as its fraction of the way. Raises as `plan_program`."""
     pieces, timings = _Planner(program, compile_robot(robot), limits).fastest([0])
     begins = np.concatenate([[0.0], np.cumsum([timing.duration for timing in timings])])
     start, states = list[Array](), list[Array]()
@@ -242,9 +239,20 @@ def _reports(
     for index in dict.fromkeys(piece.instruction for piece in pieces):
         parts = [j for j, p in enumerate(pieces) if p.instruction == index and not p.corner]
         programmed = program.move(index).speed
-        reached = [_reached(pieces[j].limits, timings[j], programmed) for j in parts]
         wanted = programmed.share or programmed.path or 0.0
-        slow = [j for j, top in zip(parts, reached, strict=True) if top < wanted * (1.0 - SLACK)]
+        reached, slow = list[float](), list[PieceLimits]()
+        for j in parts:
+            limits, timing = pieces[j].limits, timings[j]
+            _, ending, _ = timing.at(timing.duration * (1.0 - 1e-12))
+            top = max(timing.top_speed, float(ending))
+            reached.append(top / limits.full_speed if programmed.share else top * limits.tool_rate)
+            if reached[-1] < wanted * (1.0 - SLACK):
+                slow.append(limits)
+        # Of the slowest part that has a limit; without any, the move was too short.
+        named = [limits for limits in slow if limits.limited_by]
+        reason = "length of the move" if len(slow) == len(parts) else ""
+        if named:
+            reason = min(named, key=lambda limits: limits.speed * limits.tool_rate).limited_by
         reports.append(
             MoveReport(
                 instruction=index,
@@ -252,25 +260,10 @@ def _reports(
                 end=float(ends[parts[-1]]),
                 programmed=programmed,
                 reached=max(reached),
-                limited_by=_reason([pieces[j].limits for j in slow], len(slow) == len(parts)),
+                limited_by=reason,
             )
         )
     return reports
-
-
-def _reached(limits: PieceLimits, timing: Timing, programmed: Speed) -> float:
-    """Highest speed on a piece, in [m/s] or as a fraction, as programmed."""
-    _, ending, _ = timing.at(timing.duration * (1.0 - 1e-12))
-    top = max(timing.top_speed, float(ending))
-    return top / limits.full_speed if programmed.share else top * limits.tool_rate
-
-
-def _reason(slow: Sequence[PieceLimits], throughout: bool) -> str:
-    """Limit of the slowest part that has one; without any, the move was too short."""
-    limited = [piece for piece in slow if piece.limited_by]
-    if limited:
-        return min(limited, key=lambda piece: piece.speed * piece.tool_rate).limited_by
-    return "length of the move" if throughout else ""
 
 
 def slower_moves(motion: ProgramMotion) -> Iterator[Note]:

@@ -136,10 +136,7 @@ def _judged(grid: Grid, x: Array | None) -> Profile | Grid:
 
 
 def _fastest(grid: Grid, timing: Timing) -> float:
-    """Highest speed anywhere, of the one allowed there.
-
-    Where the tool is slow, the blend of two steps is faster than the point between them.
-    """
+    """Highest speed anywhere, of the one allowed there: blends are faster than their points."""
     phases = np.diff(timing.start, append=timing.duration)
     parts = np.arange(SAMPLES)[:, None] / SAMPLES
     s, v, _ = timing.at((timing.start + parts * phases).ravel())

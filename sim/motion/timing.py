@@ -99,10 +99,7 @@ def rest_to_rest(length: float, speed: float, limits: PathLimits) -> Timing:
 
 
 def jerk_limited(asked: ruckig.InputParameter, description: str) -> Timing:
-    """Fastest timing of one degree of freedom under ruckig's limits, without empty phases.
-
-    Raises RuntimeError with the description where there is none.
-    """
+    """Fastest timing under limits of ruckig, without empty phases. RuntimeError with the text."""
     trajectory = ruckig.Trajectory(1)
     result = ruckig.Ruckig(1).calculate(asked, trajectory)
     if result not in (ruckig.Result.Finished, ruckig.Result.Working):

@@ -80,10 +80,7 @@ class Chain:
 
     @cached_property
     def kinks(self) -> Array:
-        """(K,) [rad], change of direction from the end of the element before to each start.
-
-        That of the first element is from the last one; 0 in an open chain.
-        """
+        """(K,) [rad], change of direction to each start; that of the first from the last, or 0."""
         kink = wrapped(self.heading - np.roll(self.heading + self.angle, 1))
         if not self.closed:
             kink[0] = 0.0
@@ -168,10 +165,7 @@ def arc(centre: ArrayLike, radius: float, start: float, angle: float) -> Chain:
 
 
 def polyline(points: Array, bulge: Array) -> Chain:
-    """Chain of points (K + 1, 2) and any bulges (K,), arcs above half a turn divided.
-
-    The middle of a chord c is its bulge times c / 2 away.
-    """
+    """Chain of points (K + 1, 2) and any bulges (K,); one above 1 is of two arcs, by its middle."""
     (dx, dy), large = np.diff(points, axis=0).T, np.abs(bulge) > 1.0 + 1e-9
     middle = 0.5 * (points[:-1] + points[1:]) + 0.5 * bulge[:, None] * np.stack([dy, -dx], axis=1)
     halves = np.where(large, np.tan(np.arctan(bulge) / 2.0), bulge)
@@ -219,10 +213,7 @@ def ellipse(centre: Array, major: Array, minor: Array, sense: float = 1.0) -> Po
 
 
 def fitted(curve: PointAndTangent, breaks: Array | list[float], deeper: int = DEEPEST) -> Chain:
-    """Arcs along a curve that is smooth between `breaks`, increasing parameters.
-
-    Raises ValueError for a curve that arcs do not come near.
-    """
+    """Arcs along a curve that is smooth between `breaks`; ValueError where none come near."""
     ends = ((float(lower), float(upper)) for lower, upper in pairwise(breaks))
     return joined(_fitted(curve, lower, upper, deeper) for lower, upper in ends)
 

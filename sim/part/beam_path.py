@@ -83,8 +83,6 @@ def _between(chain: Chain, at: Array, cut: Array) -> Chain:
 def compensated(chain: Chain, half: float, outwards: bool) -> Chain:
     """The smooth, counter-clockwise chain moved by `half` [m] outwards or inwards, exactly.
 
-    Lines stay lines and arcs stay arcs of the same angle.
-
     Raises ValueError where an arc or the width between two sides is too small for the beam.
     """
     side = half if outwards else -half

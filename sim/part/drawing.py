@@ -1,10 +1,10 @@
 """Entities of a drawing that can be cut, joined end to end, and options of reading one."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,21 +79,19 @@ class Reading:
                 raise ValueError(f"there is no layer {name!r}. Layers: {listed}")
 
 
-@dataclass(frozen=True)
-class DrawnEntity:
-    """One entity of a drawing."""
+class DrawnChain(NamedTuple):
+    """One entity of a drawing, or several one after the other."""
 
-    chain: Chain = field(repr=False)
+    chain: Chain
     name: str
-    """Type and handle, as in LINE #2F."""
+    """Type and handle, as in LINE #2F, of the first; and how many more there are."""
     layer: str
 
 
-@dataclass(frozen=True)
-class Drawing:
+class Drawing(NamedTuple):
     """Everything of a drawing that is to be cut, and notes of what is not."""
 
-    entities: tuple[DrawnEntity, ...]
+    entities: tuple[DrawnChain, ...]
     notes: tuple[str, ...] = ()
 
 
@@ -107,24 +105,9 @@ def check_size(drawing: Drawing) -> None:
         )
 
 
-@dataclass(frozen=True)
-class Joined:
-    """Entities one after the other, closed or open."""
-
-    chain: Chain = field(repr=False)
-    names: tuple[str, ...]
-    layer: str
-
-    @property
-    def name(self) -> str:
-        """Its first entity, and how many more there are."""
-        more = len(self.names) - 1
-        return self.names[0] + (f" and {more} more" if more else "")
-
-
 def join(
-    entities: tuple[DrawnEntity, ...], tolerance: float
-) -> tuple[list[Joined], tuple[str, ...]]:
+    entities: tuple[DrawnChain, ...], tolerance: float
+) -> tuple[list[DrawnChain], tuple[str, ...]]:
     """Chains of entities whose ends are at most `tolerance` [m] apart, and notes of the gaps.
 
     Raises ValueError for an entity of zero length, for more than two ends in one place, and for an
@@ -133,7 +116,7 @@ def join(
     for entity in entities:
         if entity.chain.length < SHORTEST:
             raise ValueError(f"{entity.name} has zero length at {place(entity.chain.points[0])}")
-    found = [Joined(e.chain, (e.name,), e.layer) for e in entities if e.chain.closed]
+    found = [e for e in entities if e.chain.closed]
     loose = [e for e in entities if not e.chain.closed]
     if not loose:
         return found, ()
@@ -154,16 +137,16 @@ def join(
             points = chain.points.copy()
             points[0], points[-1] = met[end], met[end ^ 1]
             chains.append(Chain(points, chain.bulge))
-        names = tuple(loose[end // 2].name for end in walk)
-        found.append(Joined(joined(chains), names, loose[walk[0] // 2].layer))
+        first, more = loose[walk[0] // 2], f" and {len(walk) - 1} more" if len(walk) > 1 else ""
+        found.append(DrawnChain(joined(chains), f"{first.name}{more}", first.layer))
     return found, tuple(notes)
 
 
-def _between(loose: list[DrawnEntity], i: int, j: int) -> str:
+def _between(loose: list[DrawnChain], i: int, j: int) -> str:
     return f"between {loose[i // 2].name} and {loose[j // 2].name}"
 
 
-def _mates(ends: Array, loose: list[DrawnEntity], tolerance: float) -> NDArray[np.int64]:
+def _mates(ends: Array, loose: list[DrawnChain], tolerance: float) -> NDArray[np.int64]:
     """Index of the end that meets each end, or -1. Ends 2 i and 2 i + 1 are those of entity i."""
     from scipy.spatial import KDTree
 

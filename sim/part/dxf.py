@@ -13,7 +13,7 @@ from ezdxf.math import Matrix44
 from armside.arrays import Array
 
 from .arcs import Chain, arc, ellipse, fitted, line, place, polyline
-from .drawing import Drawing, DrawnEntity, Reading, Unit
+from .drawing import Drawing, DrawnChain, Reading, Unit
 from .expansion import check_expansion, check_points
 
 FLAT = 1e-6
@@ -170,7 +170,7 @@ def drawing_of(document: Any, reading: Reading) -> Drawing:
     reading.check_layers([layer.dxf.name for layer in document.layers])
     check_expansion(MODEL, lambda name: _contents(document, name), "block {!r}".format)
     left_out: Counter[str] = Counter()
-    found: list[DrawnEntity] = []
+    found: list[DrawnChain] = []
     for entity, layer, name, gone in _entities(document, document.modelspace()):
         if gone == INVISIBLE or not reading.chooses(layer, not gone and _shown(document, layer)):
             left_out[gone or f"layer {layer} is not cut"] += 1
@@ -185,7 +185,7 @@ def drawing_of(document: Any, reading: Reading) -> Drawing:
     return Drawing(tuple(found), tuple(notes))
 
 
-def _read(entity: Any, layer: str, name: str, scale: float) -> DrawnEntity:
+def _read(entity: Any, layer: str, name: str, scale: float) -> DrawnChain:
     reader = READERS.get(entity.dxftype())
     label = f"{name} on layer {layer}"
     if reader is None:
@@ -199,7 +199,7 @@ def _read(entity: Any, layer: str, name: str, scale: float) -> DrawnEntity:
         raise ValueError(f"{label}: {error}") from error
     if not np.isfinite(chain.points).all():
         raise ValueError(f"{label} has coordinates that are not finite")
-    return DrawnEntity(chain, name, layer)
+    return DrawnChain(chain, name, layer)
 
 
 def _contents(document: Any, name: str) -> Iterator[tuple[int, str]]:

@@ -15,7 +15,7 @@ def check_expansion(
 ) -> None:
     """Raise ValueError for a drawing of too many elements or one that contains itself.
 
-    parts: what a node contains, each with its number; name: of a node, in messages.
+    parts: of a node, each with its number. name: of a node, in messages.
     """
     known: dict[Node, tuple[int, int]] = {}
     within: dict[Node, None] = {}

@@ -15,7 +15,7 @@ from ..motion.contour import ArcsAndLines
 from .arcs import MM, Chain, place
 from .contour_file import read_contour
 from .curve import Kind
-from .drawing import Drawing, DrawnEntity, Joined, Reading, check_size, join, shapely
+from .drawing import Drawing, DrawnChain, Reading, check_size, join, shapely
 
 SAGITTA = 2e-6
 """Of the polygons that contours are compared by [m]."""
@@ -55,11 +55,8 @@ class Part:
         return self.box.mean(axis=0)
 
 
-def part_of(chains: list[Joined], notes: tuple[str, ...] = ()) -> Part:
-    """Contours told apart by what contains them; the largest is the outline.
-
-    Raises ValueError for chains that cross themselves or each other, or lie outside the outline.
-    """
+def part_of(chains: list[DrawnChain], notes: tuple[str, ...] = ()) -> Part:
+    """Contours told apart by what contains them; the largest is the outline."""
     if not chains:
         raise ValueError("there is nothing to cut")
     around = [i for i, each in enumerate(chains) if each.chain.closed]
@@ -111,7 +108,7 @@ def _crossing(drawn: Any, closed: bool) -> str:
     return next((f" at {place(node)}" for node in nodes if tuple(node) not in ends), "")
 
 
-def _check_apart(chains: list[Joined], lines: list[Any]) -> None:
+def _check_apart(chains: list[DrawnChain], lines: list[Any]) -> None:
     pairs = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=TWICE).T
     for i, j in pairs[pairs[:, 0] < pairs[:, 1]]:
         both, common = f"{chains[i].name} and {chains[j].name}", lines[i].intersection(lines[j])
@@ -166,5 +163,5 @@ def _drawing(file: Path, reading: Reading) -> Drawing:
             ends = np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
             points = np.vstack([curve.point(ends), curve.point(0.0)])
             chain = Chain(points, np.tan(lengths * curvature / 4.0))
-            return Drawing((DrawnEntity(chain, "points", ""),))
+            return Drawing((DrawnChain(chain, "points", ""),))
     raise ValueError("a part is a .dxf, .svg or .toml file")

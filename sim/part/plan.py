@@ -12,7 +12,7 @@ from ..motion.profile_grid import BoundsAt
 from ..motion.speed_profile import Bends, Profile, profiles
 from ..motion.timing import PathLimits, rest_to_rest
 from .arcs import MM, Chain, place
-from .beam_path import CORNER, SMOOTH, Led, compensated, led, meets, smooth
+from .beam_path import CORNER, Led, compensated, led, meets, smooth
 from .curve import Kind
 from .drawing import shapely
 from .order import order
@@ -64,8 +64,6 @@ class PlannedCut:
     """Of the beam's centre: lead-in, one turn, lead-out."""
     lead: float
     """Length of each lead [m]; 0 where there is no room for one."""
-    corners: int
-    """Sharp corners that are rounded."""
     profile: Profile = field(repr=False)
     joints: tuple[tuple[float, float], ...]
     """Begin and end of each micro-joint along the path [m]."""
@@ -137,7 +135,6 @@ def plan(part: Part, cutting: Cutting | None = None, joints: JointsAlong | None 
                 contour=contour,
                 path=path,
                 lead=lead,
-                corners=int(np.sum(np.abs(contour.chain.kinks) > SMOOTH)),
                 profile=speeds[i],
                 joints=tuple(_joints(contour, path.length, lead, cutting)),
                 rapid=rapid,

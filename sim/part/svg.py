@@ -21,7 +21,7 @@ import svgelements
 from armside.arrays import Array
 
 from .arcs import MM, Chain, arc, ellipse, fitted, joined, line, place
-from .drawing import Drawing, DrawnEntity, Reading, Unit
+from .drawing import Drawing, DrawnChain, Reading, Unit
 from .svg_shape import Size, fitted_in, length, shape, viewbox
 from .svg_tree import INKSCAPE, SVG, UNSEEN, Clip, Document, Leaf
 
@@ -119,7 +119,7 @@ def read_svg(file: Path, reading: Reading) -> Drawing:
         raise ValueError("its styles are in another file; put them into the drawing")
     document, (page, metres) = Document(root), _page(root, reading.unit)
     paper: Clip = (np.diag([metres, -metres, 1.0]), page, "the page")
-    left_out, layers, found, notes = Counter[str](), set[str](), list[DrawnEntity](), list[str]()
+    left_out, layers, found, notes = Counter[str](), set[str](), list[DrawnChain](), list[str]()
     over = 0
     for leaf in document.leaves(page, metres):
         if leaf.tag.startswith("{"):  # which no viewer draws
@@ -136,7 +136,7 @@ def read_svg(file: Path, reading: Reading) -> Drawing:
         elif _is_background(leaf, drawn, paper):
             notes.append(f"{leaf.name} fills the page: its background, which is not cut")
         else:
-            found += [DrawnEntity(chain, leaf.name, layer) for chain in drawn]
+            found += [DrawnChain(chain, leaf.name, layer) for chain in drawn]
             markers = [v for name, v in leaf.at.style.items() if name.startswith("marker")]
             left_out["markers"] += not {*markers} <= {"none", ""}
             over += any(_out_of(paper, chain) is not None for chain in drawn)

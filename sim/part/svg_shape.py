@@ -98,10 +98,7 @@ def moved(x: float, y: float) -> Array:
 
 
 def shape(tag: str, element: Element, matrix: Array, viewport: Size) -> Any:
-    """Path of svgelements in the element's own coordinates.
-
-    matrix: (3, 3), from those to metres on the page. Raises ValueError for a shape in doubt.
-    """
+    """Path of svgelements in its own coordinates; matrix (3, 3), from those to metres."""
     given = element.attrib
 
     def of(name: str) -> float:

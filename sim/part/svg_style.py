@@ -43,10 +43,7 @@ NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
 
 class Styles:
-    """Declared values of the elements of a document.
-
-    Raises ValueError for a rule that is not understood.
-    """
+    """Declared values of the elements of a document; ValueError for a rule in doubt."""
 
     def __init__(self, root: Element) -> None:
         self._matcher = cssselect2.Matcher()

@@ -61,10 +61,7 @@ class Leaf(NamedTuple):
 
 
 class Document:
-    """A parsed drawing.
-
-    Raises ValueError for one that contains itself, has too many elements or styles in doubt.
-    """
+    """A parsed drawing. ValueError for a cycle, too many elements or styles in doubt."""
 
     def __init__(self, root: Element) -> None:
         self.root = root
@@ -78,10 +75,7 @@ class Document:
         self._of_tag = Counter[str]()
 
     def leaves(self, page: Size, metres: float) -> Iterator[Leaf]:
-        """Elements that are no groups, in the order in which they are drawn.
-
-        page: width and height [pixels]; metres: of a pixel.
-        """
+        """Elements that are no groups, as they are drawn. page: [pixels]; metres: of a pixel."""
         at = self._inside(self.root, Place(np.diag([metres, -metres, 1.0]), page))
         at = _fitted(self.root, at, page)
         for child in self.root:

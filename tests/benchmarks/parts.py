@@ -8,7 +8,7 @@ import numpy as np
 
 from armside.sim.laser.part_cut import PartCut
 from armside.sim.part.arcs import MM, Chain, arc, joined, line
-from armside.sim.part.drawing import Joined
+from armside.sim.part.drawing import DrawnChain
 from armside.sim.part.part import Part, part_of, read_part
 from armside.sim.part.plan import Cutting, plan
 
@@ -66,7 +66,7 @@ def sheet(entities: int, seed: int = 0) -> Part:
     w, h = PITCH * (COLUMNS + 1), PITCH * ((len(chains) - 1) // COLUMNS + 2)
     outline = line((0.0, 0.0), (w, 0.0), (w, h), (0.0, h), (0.0, 0.0))
     named = [("outline", outline), *((f"hole {i}", one) for i, one in enumerate(chains))]
-    return part_of([Joined(chain, (name,), "") for name, chain in named])
+    return part_of([DrawnChain(chain, name, "") for name, chain in named])
 
 
 def _slot(at: np.ndarray, half: float, radius: float) -> Chain:

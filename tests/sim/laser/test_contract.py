@@ -153,3 +153,11 @@ def test_a_circle_has_a_lead_in_of_a_tenth():
 def test_a_text_in_place_of_an_effect_is_refused(without):
     with pytest.raises(ValueError, match=r"got '.*'. Effects: Effect.LOST_MOTION"):
         Cut(without=without)
+
+
+@pytest.mark.parametrize(("known", "added"), [(True, 35.0), (False, 0.0)])
+def test_a_controller_that_knows_the_payload_knows_what_it_has_beyond_the_tool_of_40_kg(
+    known, added
+):
+    made = prepare(Cut(payload=75.0, payload_known=known), seed=0)
+    assert made.added_payload == pytest.approx(added)

@@ -16,7 +16,7 @@ from armside.sim.motion.tool_motion import joint_reference
 from armside.sim.part import plan as plan_module
 from armside.sim.part.arcs import arc, joined, line
 from armside.sim.part.beam_path import smooth
-from armside.sim.part.drawing import Joined, Reading
+from armside.sim.part.drawing import DrawnChain, Reading
 from armside.sim.part.part import part_of, read_part
 from armside.sim.part.plan import Cutting
 from armside.sim.robot.kinematics_check import cell_model
@@ -28,7 +28,7 @@ OUTLINE = smooth(line((0.0, 0.0), (W, 0.0), (W, H), (0.0, H), (0.0, 0.0)), R)
 
 @pytest.fixture(scope="module")
 def outline():
-    part = part_of([Joined(joined([OUTLINE]), ("outline",), "")])
+    part = part_of([DrawnChain(joined([OUTLINE]), "outline", "")])
     return PartCut(part=part, cutting=Cutting(speed=0.167), pose="p2")
 
 
@@ -124,7 +124,7 @@ def holes(count):
     rows = [arc(at, radius, 0.0, 2.0 * np.pi) for at, radius in zip(places, radii, strict=True)]
     size = 0.01 * np.ceil(count / 10) + 0.012
     frame = line((0.0, 0.0), (size, 0.0), (size, 0.112), (0.0, 0.112), (0.0, 0.0))
-    return part_of([Joined(one, (f"{i}",), "") for i, one in enumerate([frame, *rows])])
+    return part_of([DrawnChain(one, f"{i}", "") for i, one in enumerate([frame, *rows])])
 
 
 def sheet(count):

@@ -16,7 +16,7 @@ from armside.sim.laser import Cut, Design, MotorAngles, Pass, Source, ToolPath, 
 from armside.sim.laser.design import default_design
 from armside.sim.laser.loop import MEASURES, first_run, iterate, measure_of
 from armside.sim.laser.results import status
-from armside.sim.part.motion import carried, follows
+from armside.sim.part.motion import SAME, carried, follows
 from armside.sim.records.files import InputError
 
 
@@ -250,3 +250,21 @@ def test_a_run_that_learned_from_the_tool_and_made_it_worse_ends_so(rms, diverge
     last.diverged = diverged
     ended: Any = [first, last]
     assert status(ended, of_tool=of_tool) == end
+
+
+LINE, SHORTER = np.array([[0.0, 0, 0], [1.0, 0, 0]]), np.array([[0.0, 0, 0]])
+
+
+@pytest.mark.parametrize(
+    ("other", "same"),
+    [
+        ([LINE], False),
+        ([LINE, LINE, LINE], False),
+        ([LINE, SHORTER], False),
+        ([LINE, LINE + 0.9 * SAME], True),
+        ([LINE, LINE + 1.1 * SAME], False),
+    ],
+)
+def test_contours_are_the_same_in_number_points_and_place(other, same):
+    before, motion = (SimpleNamespace(outline=outline) for outline in ([LINE, LINE], other))
+    assert follows(before, motion, anywhere=True) == same

@@ -13,7 +13,7 @@ from armside.sim.laser.measures import MotorAngles
 from armside.sim.laser.part_cut import PartCut
 from armside.sim.part.arcs import arc, line
 from armside.sim.part.curve import ChainCurve, Kind, centred, is_circle
-from armside.sim.part.drawing import Joined
+from armside.sim.part.drawing import DrawnChain
 from armside.sim.part.part import part_of
 from armside.sim.part.plan import Cutting
 from armside.sim.records.programmed_path import from_json, to_json
@@ -23,7 +23,7 @@ from armside.sim.records.programmed_path import from_json, to_json
 def plate():
     outline = line((0.1, 0.2), (0.14, 0.2), (0.14, 0.23), (0.1, 0.23), (0.1, 0.2))
     hole = arc((0.11, 0.21), 0.005, 0.0, 2.0 * np.pi)
-    part = part_of([Joined(outline, ("plate",), ""), Joined(hole, ("hole",), "")])
+    part = part_of([DrawnChain(outline, "plate", ""), DrawnChain(hole, "hole", "")])
     return PartCut(part=part, cutting=Cutting(speed=0.06, rapid=0.2), pose="p2")
 
 
@@ -93,7 +93,7 @@ def test_a_part_beyond_the_reach_is_refused_with_the_place_in_the_drawing(plate)
     far = replace(plate, pose="p3", robot="irb1400")
     prepare(far)
     large = line((0.0, 0.0), (2.0, 0.0), (2.0, 0.1), (0.0, 0.1), (0.0, 0.0))
-    part = part_of([Joined(large, ("plate",), "")])
+    part = part_of([DrawnChain(large, "plate", "")])
     with pytest.raises(ValueError, match=r"out of reach at \(-?\d"):
         prepare(replace(far, part=part))
 

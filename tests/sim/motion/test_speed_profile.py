@@ -12,7 +12,7 @@ from armside.sim.motion.speed_profile import Bends, _first_grid, profiles
 from armside.sim.motion.timing import PathLimits, rest_to_rest
 from armside.sim.part import plan as plan_module
 from armside.sim.part.arcs import line
-from armside.sim.part.drawing import Joined
+from armside.sim.part.drawing import DrawnChain
 from armside.sim.part.part import part_of
 
 LIMITS = PathLimits()
@@ -197,7 +197,7 @@ def test_a_plan_that_rests_within_a_contour_is_refused_with_its_place(monkeypatc
         return [replace(one, rests=np.array([0.02])) for one in profiles(*asked)]
 
     monkeypatch.setattr(plan_module, "profiles", rested)
-    part = part_of([Joined(line((0, 0), (0.05, 0), (0.05, 0.05), (0, 0)), ("one",), "")])
+    part = part_of([DrawnChain(line((0, 0), (0.05, 0), (0.05, 0.05), (0, 0)), "one", "")])
     with pytest.raises(ValueError, match=r"moving at \(.*\) mm, 20.0 mm along the path; try"):
         plan_module.plan(part)
 

@@ -60,3 +60,16 @@ def flange(document, holes=24):
     for angle in np.linspace(0.0, 2.0 * np.pi, holes, endpoint=False):
         space.add_circle((80 * np.cos(angle), 80 * np.sin(angle)), 4.0)
     return document
+
+
+class Chances:
+    """Decisions of a generator of drawings."""
+
+    def __init__(self, seed: int) -> None:
+        self.rng = np.random.default_rng(seed)
+
+    def chance(self, p: float) -> bool:
+        return bool(self.rng.random() < p)
+
+    def pick(self, *options):
+        return options[self.rng.integers(len(options))]

@@ -9,6 +9,8 @@ import numpy as np
 from ezdxf import units
 from scipy.interpolate import BSpline
 
+from .drawings import Chances
+
 METRES = {units.MM: 1e-3, units.CM: 1e-2, units.IN: 0.0254, units.M: 1.0}
 LAYERS = ("0", "0", "CUT", "CUT", "CUT", "OFF", "COLD")
 SAMPLES = 1500
@@ -45,11 +47,11 @@ def moved(x: float, y: float) -> np.ndarray:
     return np.array([[1.0, 0.0, x], [0.0, 1.0, y], [0.0, 0.0, 1.0]])
 
 
-class Generator:
+class Generator(Chances):
     """A document that grows."""
 
     def __init__(self, seed: int) -> None:
-        self.rng = np.random.default_rng(seed)
+        super().__init__(seed)
         unit = self.pick(*METRES)
         self.scale = METRES[unit]
         self.size = 1e-3 / self.scale
@@ -64,12 +66,6 @@ class Generator:
         document.layers.get("COLD").freeze()
         self.blocks: dict[str, list[Item]] = {}
         self.base: dict[str, np.ndarray] = {}
-
-    def chance(self, p: float) -> bool:
-        return bool(self.rng.random() < p)
-
-    def pick(self, *options):
-        return options[self.rng.integers(len(options))]
 
     def curve(self, space: Any, attributes: dict[str, Any]) -> tuple[str, np.ndarray]:
         """An entity, and its points in units of the drawing."""

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from .drawings import Chances
+
 NAMESPACES = (
     'xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
     'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"'
@@ -37,11 +39,11 @@ class Generated:
     """Identifiers that a refusal may name."""
 
 
-class Generator:
+class Generator(Chances):
     """Random elements; each method returns text and number of instances of shapes."""
 
     def __init__(self, seed: int) -> None:
-        self.rng = np.random.default_rng(seed)
+        super().__init__(seed)
         self.made = Generated()
         self.rules: list[str] = []
         self.defs: list[str] = []
@@ -50,12 +52,6 @@ class Generator:
         self.names = 0
         self.pixels = 1.0
         """Of a unit, about."""
-
-    def chance(self, p: float) -> bool:
-        return bool(self.rng.random() < p)
-
-    def pick(self, *options):
-        return options[self.rng.integers(len(options))]
 
     def number(self, value: float) -> str:
         return self.pick(f"{value:.4f}", f"{value:.5e}", f"{value:+.3f}", f"{value:.4g}")

@@ -47,7 +47,7 @@ def no_planner(monkeypatch):
 
     for module, name in (
         (tool_motion, "cut"),
-        (specification, "plan"),
+        (specification, "plan_cut"),
         (experiment, "prepare"),
         (measure, "cell_model"),
         (ruckig, "Ruckig"),
