@@ -168,22 +168,6 @@ def _in_memory(name: str, text: str) -> ModuleType:
     return module
 
 
-def native_module(
-    name: str,
-    key: str,
-    program: "Callable[[], StraightLineProgram]",
-    folder: Path | str | None = None,
-) -> ModuleType:
-    """Compiled module of a program, which is built only when `key` is not in the cache yet."""
-
-    def source() -> str:
-        from .codegen import numba_module
-
-        return numba_module(program())
-
-    return cached_module(name, key, source, folder)
-
-
 _FAST = """
 def function({arguments}, /, out=None):
     try:
@@ -205,12 +189,19 @@ def native_function(
     shape: tuple[int, ...],
     folder: Path | str | None = None,
 ) -> Any:
-    """Compiled function of a program whose one to three arguments are vectors of given sizes.
+    """Compiled function of a program whose one to four arguments are vectors of given sizes.
 
-    It takes a batch as one leading axis of every argument, and `out=`, which may overlap the
-    arguments: a single call reads all of them before it writes, and a batch goes by a copy.
+    The program is built only when `key` is not in the cache yet. The function takes a batch as one
+    leading axis of every argument, and `out=`, which may overlap the arguments: a single call reads
+    all of them before it writes, and a batch goes by a copy.
     """
-    module, names = native_module(name, key, program, folder), "abc"[: len(sizes)]
+
+    def source() -> str:
+        from .codegen import numba_module
+
+        return numba_module(program())
+
+    module, names = cached_module(name, key, source, folder), "abcd"[: len(sizes)]
     types = " is ".join(f"type({argument})" for argument in names)
     scope = {"one": module.one, "empty": np.empty, "array": np.ndarray, "shape": shape}
     scope["general"] = _general(module, sizes, shape)

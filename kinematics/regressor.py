@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array, check_out, real_array
 
-from .cache import native_function, native_module
+from .cache import native_function
 from .compiled import CompiledFunction, derivatives, refuse_symbols
 from .equations.inertial_model import InertialModel
 
@@ -51,7 +51,6 @@ def regressor(
         raise ValueError(f"phi, phi_dot, phi_ddot must all be ({n},) or (N, {n}), got {shapes}")
     rows = [np.repeat(np.atleast_2d(a), 10 * n, axis=0) for a in motion]
     units = np.tile(np.eye(10 * n), (len(rows[0]) // (10 * n), 1))
-    torques = np.empty((len(units), n))
 
     def program() -> Any:
         from .equations.dynamics import parametric_torque
@@ -59,7 +58,8 @@ def regressor(
         return parametric_torque(model)
 
     key = repr((model.robot.key, model.gravity))
-    native_module("parametric_torque", key, program, cache).many(*rows, units, torques)
+    sizes = (n, n, n, 10 * n)
+    torques = native_function("parametric_torque", key, program, sizes, (n,), cache)(*rows, units)
     Y = torques.reshape(-1, 10 * n, n).swapaxes(1, 2)
     return Y[0] if motion[0].ndim == 1 else Y
 

@@ -160,8 +160,7 @@ def quaternion_product(p: ArrayLike, q: ArrayLike) -> Array:
 def slerp(q_start: ArrayLike, q_end: ArrayLike, s: ArrayLike) -> Array:
     """Unit quaternions (N, 4), w >= 0, of the shortest rotation at constant angular velocity.
 
-    Args:
-        s: shape (N,), each in [0, 1], from the start to the end.
+    s: shape (N,), each in [0, 1], from the start to the end.
     """
     from scipy.spatial.transform import Slerp
 

@@ -124,7 +124,6 @@ class Calibration:
     @property
     def outliers(self) -> list[Outlier]:
         """Fitted measurements far off the full fit, the worst first."""
-        assert self.fitted.row is not None
         length = self.full.lengths[:, : self.fitted.n_targets]
         far = np.argwhere(length > OUTLYING * np.nanmedian(length))
         rows = [Outlier(int(self.fitted.row[i]), int(t) + 1, float(length[i, t])) for i, t in far]
@@ -182,28 +181,18 @@ def fit_prepared(prepared: Prepared) -> Calibration:
     priors = replace(cfg.priors, noise=cfg.priors.noise or EXPLAINED * geometry.noise)
     errors = cfg.joint_errors
     if errors is None:
-        errors = _chosen_errors(model, fitted, found.geometry, priors, prepared.rng)
+        # Those that predict a part of the fitted poses best; no judged pose is used.
+        inner, judge = split_by_pose(fitted.phi, 1.0 - VALIDATION, prepared.rng)
+        tried = [JointErrors(), *(JointErrors(order, compliance=True) for order in TRIED)]
+
+        def error(choice: JointErrors) -> float:
+            one = fit(model, fitted[inner], Choice(found.geometry, choice), priors)
+            return float(np.nanmean(np.linalg.norm(one.residuals(fitted[judge]), axis=2)))
+
+        errors = min(tried, key=error)
     full = geometry
     if errors != JointErrors():
         full = fit(model, fitted, Choice(found.geometry, errors), priors, geometry)
     where = region(full, geometry)
     inside = where.contains(held_out.phi)
     return Calibration(fitted, held_out, found, nominal, geometry, full, where, inside)
-
-
-def _chosen_errors(
-    model: ErrorModel,
-    fitted: Measurements,
-    geometry: tuple[str, ...],
-    priors: Priors,
-    rng: np.random.Generator,
-) -> JointErrors:
-    """Joint errors that predict a part of the fitted poses best; no judged pose is used."""
-    inner, judge = split_by_pose(fitted.phi, 1.0 - VALIDATION, rng)
-    tried = [JointErrors(), *(JointErrors(order, compliance=True) for order in TRIED)]
-
-    def error(choice: JointErrors) -> float:
-        one = fit(model, fitted[inner], Choice(geometry, choice), priors)
-        return float(np.nanmean(np.linalg.norm(one.residuals(fitted[judge]), axis=2)))
-
-    return min(tried, key=error)

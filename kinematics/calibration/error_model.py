@@ -120,9 +120,9 @@ class ErrorModel:
     @cached_property
     def joints(self) -> NDArray[np.intp]:
         """Place of the parameter that each joint variable is added to: theta_i, or d_i."""
-        moving = [i for i, link in enumerate(self._links, 1) if link.moves]
-        pairs = zip(moving, self.robot.slides, strict=True)
-        return np.array([self.index(f"{'d' if slides else 'theta'}_{i}") for i, slides in pairs])
+        kinds = {Joint.REVOLUTE: "theta", Joint.PRISMATIC: "d"}
+        moving = ((i, link.joint) for i, link in enumerate(self._links, 1) if link.moves)
+        return np.array([self.index(f"{kinds[joint]}_{i}") for i, joint in moving])
 
     def variables(self, phi: Array, errors: Array) -> Array:
         """Joint variables of the longer robot, (N, E), of motor angles (N, n) and errors (E,)."""

@@ -28,8 +28,8 @@ class Measurements:
     phi: Array
     points: Array
     rotation: Array | None = None
-    row: NDArray[np.intp] | None = None
-    """(N,) Row of each configuration in its file, from 1."""
+    row: Any = None
+    """(N,) Row of each configuration in its file, from 1; as they are counted by default."""
 
     def __post_init__(self) -> None:
         real_array("phi", self.phi)
@@ -37,27 +37,21 @@ class Measurements:
         if self.phi.ndim != 2 or self.points.shape[::2] != (len(self.phi), 3):
             given = f"got {self.phi.shape} and {self.points.shape}"
             raise ValueError(f"phi must be (N, n) and points (N, T, 3), {given}")
-        if self.row is None:
-            vars(self)["row"] = np.arange(1, 1 + len(self.phi))
-        assert self.row is not None
+        row = np.arange(1, 1 + len(self.phi)) if self.row is None else self.row
+        vars(self)["row"] = row
         if (bad := np.argwhere(~np.isfinite(self.phi))).size:
-            row, motor = bad[0]
-            raise ValueError(f"motor_angle_{motor + 1} is not finite in row {self.row[row]}")
+            at, motor = bad[0]
+            raise ValueError(f"motor_angle_{motor + 1} is not finite in row {row[at]}")
 
     def __len__(self) -> int:
         return len(self.phi)
 
     def __getitem__(self, rows: slice | ArrayLike) -> "Measurements":
         """The configurations of a slice, with these indices, or where a mask is true."""
-        assert self.row is not None
         chosen: Any = rows if isinstance(rows, slice) else np.asarray(rows)
         rotation = None if self.rotation is None else self.rotation[chosen]
-        return Measurements(
-            phi=self.phi[chosen],
-            points=self.points[chosen],
-            rotation=rotation,
-            row=self.row[chosen],
-        )
+        phi, points, row = (each[chosen] for each in (self.phi, self.points, self.row))
+        return Measurements(phi=phi, points=points, rotation=rotation, row=row)
 
     @property
     def n_targets(self) -> int:
@@ -91,9 +85,8 @@ def split_by_pose(
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Indices of rows to fit and rows held out; repeats of a pose are never on both sides.
 
-    Args:
-        fraction: of the poses, to be fitted.
-        rng: draws the poses; None takes them in their order.
+    fraction: of the poses, to be fitted.
+    rng: draws the poses; None takes them in their order.
     """
     number = unique_poses(phi)
     order = np.arange(number.max() + 1)

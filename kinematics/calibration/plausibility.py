@@ -8,7 +8,7 @@ workspace is not known in another.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from itertools import chain, combinations
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,15 +55,27 @@ def check(robot: Robot, limits: Limits, data: Measurements) -> None:
     if data.phi.shape[1] != n:
         raise ValueError(f"{robot.name} has {n} motors, the data have {data.phi.shape[1]}")
     _finite(data)
-    _enough(data, n)
-    _moving(data)
-    _ranges(limits, data)
+    needed, given = 4 * n + 6, 3 * (unique_poses(data.phi).max() + 1) * data.n_targets
+    if given < needed:
+        text = f"{len(data)} poses give {given} coordinates of distinct poses"
+        raise ValueError(f"too few poses: {text}, {needed} are needed for {n} joints")
+    for motor, spread in enumerate(data.phi.std(axis=0), 1):
+        if spread < STILL:
+            still = f"motor {motor} does not move (standard deviation {spread:.1g})"
+            raise ValueError(f"{still}: its errors cannot be seen")
+    largest = np.abs(data.phi).max(axis=0)
+    bound = np.maximum(np.abs(limits.lower), np.abs(limits.upper))
+    worst = int((largest / bound).argmax())
+    if largest[worst] > OUT_OF_RANGE * bound[worst]:
+        unit = " are the angles in degrees?" if largest[worst] > 2.0 * bound[worst] else ""
+        reached = f"motor_angle_{worst + 1} reaches {largest[worst]:.3g}"
+        limit = f"its limit is {bound[worst]:.3g} rad"
+        raise ValueError(f"{reached}, {limit};{unit or ' is it this robot?'}")
     _rigid_targets(data)
     _fits(robot, data)
 
 
 def _finite(data: Measurements) -> None:
-    assert data.row is not None
     if np.isinf(data.points).any():
         raise ValueError("a target has an infinite coordinate")
     partly = np.isfinite(data.points).sum(axis=2) % 3 != 0
@@ -74,34 +86,6 @@ def _finite(data: Measurements) -> None:
     for target in range(data.n_targets):
         if not np.isfinite(data.points[:, target]).any():
             raise ValueError(f"target {target + 1} was never seen")
-
-
-def _enough(data: Measurements, n: int) -> None:
-    needed, given = 4 * n + 6, 3 * (unique_poses(data.phi).max() + 1) * data.n_targets
-    if given < needed:
-        text = f"{len(data)} poses give {given} coordinates of distinct poses"
-        raise ValueError(f"too few poses: {text}, {needed} are needed for {n} joints")
-
-
-def _moving(data: Measurements) -> None:
-    for motor, spread in enumerate(data.phi.std(axis=0), 1):
-        if spread < STILL:
-            raise ValueError(
-                f"motor {motor} does not move (standard deviation {spread:.1g}): "
-                "its errors cannot be seen"
-            )
-
-
-def _ranges(limits: Limits, data: Measurements) -> None:
-    largest = np.abs(data.phi).max(axis=0)
-    bound = np.maximum(np.abs(limits.lower), np.abs(limits.upper))
-    worst = int((largest / bound).argmax())
-    if largest[worst] > OUT_OF_RANGE * bound[worst]:
-        unit = " are the angles in degrees?" if largest[worst] > 2.0 * bound[worst] else ""
-        raise ValueError(
-            f"motor_angle_{worst + 1} reaches {largest[worst]:.3g}, its limit is "
-            f"{bound[worst]:.3g} rad;{unit or ' is it this robot?'}"
-        )
 
 
 def _rigid_targets(data: Measurements) -> None:
@@ -116,14 +100,11 @@ def _rigid_targets(data: Measurements) -> None:
         own = [value for pair, value in moved.items() if target in pair]
         others = [value for pair, value in moved.items() if target not in pair]
         if own and min(own) > RIGID and max(others, default=0.0) < max(RIGID, ALONE * min(own)):
-            named = f"target {target + 1} moves"
-            if not others:
-                named = "the two targets move"
+            named = f"target {target + 1} moves" if others else "the two targets move"
             raise ValueError(f"{named} against the tool by {1e3 * min(own):.3g} mm")
     if moved and max(moved.values()) > RIGID:
-        raise ValueError(
-            f"the targets move against each other by {1e3 * max(moved.values()):.3g} mm"
-        )
+        most = 1e3 * max(moved.values())
+        raise ValueError(f"the targets move against each other by {most:.3g} mm")
 
 
 def _fits(robot: Robot, data: Measurements) -> None:
@@ -137,8 +118,7 @@ def _fits(robot: Robot, data: Measurements) -> None:
     if rms < MISFIT * reach:
         return
     text = f"the data do not fit {robot.name}: {1e3 * rms:.3g} mm RMS after registration"
-    others = ((mistake, replace(data, phi=phi)) for mistake, phi in _mistakes(data.phi))
-    for mistake, changed in chain(others, (_mirrored(pose, data),)):
+    for mistake, changed in _mistakes(pose, data):
         if (left := _misfit(pose, changed)) < EXPLAINED * rms:
             raise ValueError(f"{text}, {1e3 * left:.3g} mm with {mistake}")
     raise ValueError(text)
@@ -157,26 +137,25 @@ def _scaled(pose: PoseFunction, data: Measurements, ratio: float, reach: float) 
         raise ValueError(f"{text}: are they in {named[0]}?")
 
 
-def _mistakes(phi: Array) -> Iterator[tuple[str, Array]]:
-    yield "angles taken for degrees", np.degrees(phi)
-    yield "angles taken for radians", np.radians(phi)
-    for i, j in combinations(range(phi.shape[1]), 2):
-        order = np.arange(phi.shape[1])
+def _mistakes(pose: PoseFunction, data: Measurements) -> Iterator[tuple[str, Measurements]]:
+    """Likely mistakes, and the data without them.
+
+    All mirrored frames fit alike, as a rotation is between any two: that is named whose axes are
+    nearest to those of the base.
+    """
+    phi, n = data.phi, data.phi.shape[1]
+    yield "angles taken for degrees", replace(data, phi=np.degrees(phi))
+    yield "angles taken for radians", replace(data, phi=np.radians(phi))
+    for i, j in combinations(range(n), 2):
+        order = np.arange(n)
         order[[i, j]] = j, i
-        yield f"motors {i + 1} and {j + 1} swapped", phi[:, order]
-    for i, sign in enumerate(1.0 - 2.0 * np.eye(phi.shape[1]), 1):
-        yield f"the sign of motor {i} reversed", phi * sign
-
-
-def _mirrored(pose: PoseFunction, data: Measurements) -> tuple[str, Measurements]:
-    """The data in a mirrored frame. All fit alike, as a rotation is between any two: that is named
-    whose axes are nearest to those of the base."""
-    T = pose(data.phi)
-    changed = {
-        name: replace(data, points=data.points @ np.array(M)) for name, M in MIRRORED.items()
-    }
-    name = max(changed, key=lambda name: float(np.trace(register(T, changed[name]).R)))
-    return f"the frame of the targets mirrored, {name}", changed[name]
+        yield f"motors {i + 1} and {j + 1} swapped", replace(data, phi=phi[:, order])
+    for i, sign in enumerate(1.0 - 2.0 * np.eye(n), 1):
+        yield f"the sign of motor {i} reversed", replace(data, phi=phi * sign)
+    frames = {name: replace(data, points=data.points @ np.array(M)) for name, M in MIRRORED.items()}
+    T = pose(phi)
+    name = max(frames, key=lambda name: float(np.trace(register(T, frames[name]).R)))
+    yield f"the frame of the targets mirrored, {name}", frames[name]
 
 
 def _misfit(pose: PoseFunction, data: Measurements) -> float:

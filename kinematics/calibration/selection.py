@@ -97,11 +97,9 @@ def identifiable(
 ) -> Identifiable:
     """Independent error parameters: Denavit-Hartenberg before Hayati's, from the base on.
 
-    Args:
-        wanted: parameters of the links to choose from; all by default.
+    wanted: parameters of the links to choose from; all by default.
 
-    Raises:
-        ValueError: a parameter that is wanted does not exist, or is redundant.
+    Raises ValueError: a parameter that is wanted does not exist, or is redundant.
     """
     for name in wanted:
         if name.startswith(("base_", "tool_")):

@@ -11,7 +11,7 @@ import sympy as sp
 
 from armside.arrays import Array
 
-from ..dh import Joint, Robot
+from ..dh import Robot
 from ..expressions.symbols import Expression, exact, exact_angle
 from .chain import Matrix
 from .program import Argument, Tape
@@ -38,33 +38,26 @@ def motor_inputs(robot: Robot, *names: str, symbols: Iterable[Any] = ()) -> list
 
 def notes(robot: Robot) -> tuple[str, ...]:
     """Robot, convention, coupling and units, for the header of generated code."""
+    relation = "on the arm side of the gear; joint variables = coupling phi + offset"
+    units = [f"phi: motor angles {relation.replace(';', ' [rad];')}"]
+    if any(robot.slides):
+        each = ", ".join("m" if slides else "rad" for slides in robot.slides)
+        forces = "forces of prismatic joints [N], torques [N m]"
+        units = [f"phi: motor variables {relation}", f"joint variables: [{each}]; {forces}"]
     return (
         f"robot: {robot.name}; {robot.convention.value} Denavit-Hartenberg convention",
-        *_motor_note(robot),
+        *units,
         f"coupling: {robot.coupling.tolist()}",
         f"offset: {robot.offset.tolist()}",
         "SI units; six-vectors are (v, omega) in base axes",
     )
 
 
-def _motor_note(robot: Robot) -> tuple[str, ...]:
-    """Meaning and units of phi; those of a prismatic joint's variable are metres."""
-    relation = "joint variables = coupling phi + offset"
-    if all(robot.links[i].joint is Joint.REVOLUTE for i in robot.moving):
-        return (f"phi: motor angles on the arm side of the gear [rad]; {relation}",)
-    units = ["m" if robot.links[i].joint is Joint.PRISMATIC else "rad" for i in robot.moving]
-    return (
-        f"phi: motor variables on the arm side of the gear; {relation}",
-        f"joint variables: [{', '.join(units)}]; forces of prismatic joints [N], torques [N m]",
-    )
-
-
 def joint_variables(robot: Robot, phi: Sequence[Expression]) -> tuple[Expression, ...]:
     """coupling phi + offset, exact. Thesis (4.10)."""
     result = []
-    for index, row, constant in zip(robot.moving, robot.coupling, robot.offset, strict=True):
-        revolute = robot.links[index].joint is Joint.REVOLUTE
-        offset = exact_angle(constant) if revolute else exact(constant)
+    for slides, row, constant in zip(robot.slides, robot.coupling, robot.offset, strict=True):
+        offset = exact(constant) if slides else exact_angle(constant)
         result.append(sp.Add(offset, *_terms(row, phi)))
     return tuple(result)
 

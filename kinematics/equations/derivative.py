@@ -41,8 +41,7 @@ def _direction(
 def tangent(program: StraightLineProgram, seeds: Mapping[str, str]) -> StraightLineProgram:
     """Jacobian-vector product: outputs differentiated along given rates of some inputs.
 
-    Args:
-        seeds: input name: name of the new input with its rates. Inputs not named are constant.
+    seeds: input name: name of the new input with its rates. Inputs not named are constant.
     """
     tape = Tape(program)
     rates: dict[Expression, Expression] = {}

@@ -23,9 +23,8 @@ def measurement(
 ) -> StraightLineProgram:
     """y(phi, phi_dot, phi_ddot), shape (n + 6,).
 
-    Args:
-        gravity: [m/s^2] in base axes.
-        frame: link whose frame the IMU is fixed to, 1 to the number of links; the last by default.
+    gravity: [m/s^2] in base axes.
+    frame: link whose frame the IMU is fixed to, 1 to the number of links; the last by default.
     """
     frame = len(robot.links) if frame is None else frame
     if not 0 < frame <= len(robot.links):

@@ -40,10 +40,19 @@ class Body:
             _check_inertia(self.inertia)
 
 
+PLACES = (0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)
+"""Indices of Ixx, Iyy, Izz, Ixy, Ixz, Iyz in a tensor."""
+
+
+def tensor_of(inertia: Sequence[Any]) -> list[list[float]]:
+    """3 x 3 tensor of a body's inertia."""
+    xx, yy, zz, xy, xz, yz = map(float, inertia)
+    return [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+
+
 def _check_inertia(inertia: tuple[Any, ...]) -> None:
     """Principal moments are not negative and none exceeds the sum of the other two."""
-    xx, yy, zz, xy, xz, yz = map(float, inertia)
-    moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    moments = np.linalg.eigvalsh(tensor_of(inertia))
     slack = _SLACK * max(float(np.abs(moments).max()), 1e-12)
     if moments[0] < -slack or moments[2] > moments[0] + moments[1] + slack:
         raise ValueError(
@@ -55,13 +64,11 @@ def _check_inertia(inertia: tuple[Any, ...]) -> None:
 
 def nearest_inertia(inertia: Sequence[float]) -> list[float]:
     """The inertia (xx, yy, zz, xy, xz, yz) nearest to one that no body has, with six digits."""
-    xx, yy, zz, xy, xz, yz = map(float, inertia)
-    moments, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    moments, axes = np.linalg.eigh(tensor_of(inertia))
     moments = np.maximum(moments, _OFFERED * np.abs(moments).max())
     missing = max(moments[2] * (1.0 + _OFFERED) - moments[0] - moments[1], 0.0) / 3.0
     tensor = axes @ np.diag(moments + missing * np.array([1.0, 1.0, -1.0])) @ axes.T
-    places = (0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)
-    return [float(f"{tensor[place]:.6g}") for place in places]
+    return [float(f"{tensor[place]:.6g}") for place in PLACES]
 
 
 @dataclass(frozen=True, kw_only=True)

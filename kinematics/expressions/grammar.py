@@ -32,8 +32,7 @@ class GrammarError(ValueError):
 def parse(text: str) -> Expression:
     """The expression of text such as "5", "Pi/2", "phi[1](t) - phi[2](t) - pi/2".
 
-    Raises:
-        GrammarError: says at which character reading stopped, and what is allowed.
+    Raises GrammarError: says at which character reading stopped, and what is allowed.
     """
     tokens = list(_tokens(text))
     total, rest = sp.S.Zero, tokens

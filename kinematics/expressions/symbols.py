@@ -90,9 +90,7 @@ def code_names(expressions: Iterable[Any]) -> dict[Any, sp.Symbol]:
     """Names for generated code: q_1(t) -> q_1, its derivatives q_1d, q_1dd. Thesis 4.2.2.
 
     Apply with `expression.xreplace(...)`; derivatives come first so that none is left half named.
-
-    Raises:
-        ValueError: two variables get the same name, such as phi_1(t) and the constant phi_1.
+    Raises ValueError: two variables get the same name, such as phi_1(t) and the constant phi_1.
     """
     names: dict[Any, sp.Symbol] = {}
     expressions = list(expressions)

@@ -128,7 +128,10 @@ def inverse_nearest(
         raise ValueError(f"T must have shape (4, 4), got {np.shape(T)}; see inverse_path")
     candidates = found.phi[found.exists]
     if limits is not None:
-        every = _unwrapped(robot, candidates)
+        # each with -2 pi, 0, 2 pi added to its joints in every combination
+        turns = 2 * np.pi * np.stack(np.meshgrid(*[[-1, 0, 1]] * 6), axis=-1).reshape(-1, 6)
+        turned = np.linalg.solve(robot.coupling, turns.T).T
+        every = (candidates[:, None] + turned).reshape(-1, 6)
         candidates = every[limits.contain(every)]
         if not len(candidates):
             raise ValueError(
@@ -178,12 +181,6 @@ def _kernel(kind: str) -> Any:
         return kernel + loops.replace("from .wrist_kernel import branches\n", "")
 
     return cached_module(f"inverse_{kind}", "", text)
-
-
-def _unwrapped(robot: Robot, phi: Array) -> Array:
-    """Each solution with -2 pi, 0, 2 pi added to its joints in every combination, (..., 6)."""
-    turns = 2 * np.pi * np.stack(np.meshgrid(*[[-1, 0, 1]] * 6), axis=-1).reshape(-1, 6)
-    return (phi[:, None] + np.linalg.solve(robot.coupling, turns.T).T).reshape(-1, 6)
 
 
 def _configuration(phi: ArrayLike | None) -> Array:

@@ -144,19 +144,17 @@ def inverse_numeric_path(
         if np.abs(error).max() <= tolerance:
             error[:] = 0.0
         target = targets[k] if rows == 6 else targets[k, :3, 3]
-        cause, reason = _cause(robot, target, path[k - 1 : k + 1], error, limits)
+        cause, reason = _cause(robot, target, path[k - 1], path[k], error, limits)
         raise NotConvergedError(robot, int(k), len(path), path[k], error, cause, reason)
     return path
 
 
 def _cause(
-    robot: Robot, target: Array, last: Array, error: Array, limits: Limits | None
+    robot: Robot, target: Array, before: Array, phi: Array, error: Array, limits: Limits | None
 ) -> tuple[Cause, str]:
-    """Cause of a target that does not follow; last (2, n): solution before it, configuration."""
-    before, phi = last
+    """Cause of a target that does not follow, in configuration phi, the solution before it."""
     if not error.any():
-        passed = limits and limit_passed(phi, limits, _kernel().SLACK)
-        if passed:
+        if passed := limits and limit_passed(phi, limits, _kernel().SLACK):
             return Cause.LIMIT, passed
         return Cause.SINGULARITY, joint_jump(robot, before, phi)
     try:

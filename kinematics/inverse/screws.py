@@ -25,9 +25,8 @@ ALIGNED = 1e-10
 def three_axes(M: Array, u: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Both solutions of R(u_1, q_1) R(u_2, q_2) R(u_3, q_3) = M.
 
-    Args:
-        M: rotations (N, 3, 3).
-        u: directions (3, 3) of the axes at zero, in rows; u_2 is at right angles to the others.
+    M: rotations (N, 3, 3).
+    u: directions (3, 3) of the axes at zero, in rows; u_2 is at right angles to the others.
 
     Returns q (N, 2, 3) [rad], and aligned (N,): only q_1 +- q_3 is determined, and q_1 is 0.
     """
@@ -66,8 +65,7 @@ class Screws:
 def screws(robot: Robot, kinds: str) -> Screws:
     """Axes of a robot whose joints are of the given kinds, "RRP" and so on.
 
-    Raises:
-        UnsolvableGeometryError: it has symbols, or other joints.
+    Raises UnsolvableGeometryError: it has symbols, or other joints.
     """
     require(not robot.free_symbols, robot, "has symbolic parameters")
     given = "".join("P" if slides else "R" for slides in robot.slides)
@@ -91,8 +89,7 @@ def require_square(robot: Robot, axes: Screws, one: int, other: int) -> None:
 def meeting_point(robot: Robot, axes: Screws, first: int) -> Array:
     """Point (3,) where three axes in a row meet, from the first, counted from 1.
 
-    Raises:
-        UnsolvableGeometryError: they do not meet.
+    Raises UnsolvableGeometryError: they do not meet.
     """
     three = range(first - 1, first + 2)
     planes = [np.eye(3) - np.outer(axes.direction[i], axes.direction[i]) for i in three]

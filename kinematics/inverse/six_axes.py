@@ -54,8 +54,7 @@ def require(condition: bool, robot: Robot, complaint: str) -> None:
 def solvable_arm(robot: Robot) -> ClosedArm:
     """Constants of the closed form of a robot's kind.
 
-    Raises:
-        UnsolvableGeometryError: there is none; says which parameter stands in the way.
+    Raises UnsolvableGeometryError: there is none; says which parameter stands in the way.
     """
     try:
         return wrist_arm(robot)

@@ -28,14 +28,12 @@ class Rates:
 def inverse_velocity(J: ArrayLike, X_dot: ArrayLike, b: ArrayLike | None = None) -> Rates:
     """Rates with J q_dot = X_dot: (2.11) if J is square and regular, else (2.13).
 
-    Args:
-        J: shape (m, n).
-        X_dot: shape (m,), desired (v, omega).
-        b: shape (n,), added through the null space, (I - J^+ J) b; zero by default.
+    J: shape (m, n).
+    X_dot: shape (m,), desired (v, omega).
+    b: shape (n,), added through the null space, (I - J^+ J) b; zero by default.
 
-    Raises:
-        InconsistentMotionError: rank (J, X_dot) > rank J, the test (2.12); says which part of
-            X_dot cannot be made.
+    Raises InconsistentMotionError: rank (J, X_dot) > rank J, the test (2.12); says which part of
+    X_dot cannot be made.
     """
     J, X_dot = np.asarray(J, dtype=np.float64), np.asarray(X_dot, dtype=np.float64)
     if J.ndim != 2 or X_dot.shape != J.shape[:1]:
@@ -67,8 +65,7 @@ def inverse_acceleration(
 ) -> Rates:
     """Motor accelerations with J phi_ddot + J' phi_dot = X_ddot. Thesis (2.14), (3.58).
 
-    Raises:
-        InconsistentMotionError: the configuration is singular for this motion.
+    Raises InconsistentMotionError: the configuration is singular for this motion.
     """
     phi_dot = np.asarray(phi_dot, dtype=np.float64)
     drift = functions.acceleration(phi, phi_dot, np.zeros_like(phi_dot))

@@ -37,8 +37,7 @@ class SymbolicDynamics:
 def symbolic_dynamics(model: InertialModel) -> SymbolicDynamics:
     """All terms of (2.15) as expressions of phi1.., phid1.. and the model's own symbols.
 
-    Raises:
-        ValueError: a symbol of the model is that of a motor angle or of its rate.
+    Raises ValueError: a symbol of the model is that of a motor angle or of its rate.
     """
     phi, phi_dot = motor_symbols(model.robot), motor_symbols(model.robot, "phi_dot")
     if taken := model.free_symbols.intersection(phi + phi_dot):
@@ -50,20 +49,14 @@ def symbolic_dynamics(model: InertialModel) -> SymbolicDynamics:
     pairs = zip(model.motors, phi_dot, strict=True)
     f = [exact(m.viscous) * rate + exact(m.coulomb) * sp.sign(rate) for m, rate in pairs]
     g = sp.Matrix([potential.diff(angle) for angle in phi])
-    C = _christoffel(D, phi, phi_dot)
-    return SymbolicDynamics(phi, phi_dot, D, C, g, sp.Matrix(f))
+    n, d = len(phi), [D.diff(angle) for angle in phi]
 
-
-def _christoffel(D: SymbolicMatrix, phi: Any, phi_dot: Any) -> SymbolicMatrix:
-    """C_kj = sum_i (dD_kj/dphi_i + dD_ki/dphi_j - dD_ij/dphi_k) phi_dot_i / 2."""
-    n = len(phi)
-    d = [D.diff(angle) for angle in phi]
-
-    def element(k: int, j: int) -> Expression:
+    def element(k: int, j: int) -> Expression:  # Christoffel symbols times rates
         terms = ((d[i][k, j] + d[j][k, i] - d[k][i, j]) * phi_dot[i] / 2 for i in range(n))
         return sp.Add(*terms)
 
-    return sp.Matrix(n, n, element)
+    C = sp.Matrix(n, n, element)
+    return SymbolicDynamics(phi, phi_dot, D, C, g, sp.Matrix(f))
 
 
 def _collected(expression: Expression) -> Expression:

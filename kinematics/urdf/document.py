@@ -146,11 +146,22 @@ def read_document(file: Path) -> Document:
     """
     if file.exists() and not file.is_file():
         raise ValueError("is no regular file")
-    with file.open("rb") as content:
-        text = content.read(LARGEST + 1)
+    with file.open("rb") as opened:
+        text = opened.read(LARGEST + 1)
     if len(text) > LARGEST:
         raise ValueError(f"a URDF file has at most {LARGEST} bytes")
-    root, links = _root(text.decode("utf-8-sig")), dict[str, Inertial | Fault | None]()
+    content = text.decode("utf-8-sig")
+    if "<!DOCTYPE" in content or "<!ENTITY" in content:
+        raise ValueError("a URDF file has no document type and no entities")
+    try:
+        root = ElementTree.fromstring(content)
+    except ElementTree.ParseError as error:
+        raise ValueError(f"damaged XML: {error}") from None
+    if root.tag != "robot":
+        raise ValueError(f"the outermost element must be <robot>, got <{root.tag}>")
+    if any("xacro" in str(element.tag) for element in root.iter()):
+        raise ValueError("has xacro elements: expand it first (ros2 run xacro xacro FILE)")
+    links = dict[str, Inertial | Fault | None]()
     for element, name in _named(root, "link"):
         try:
             links[name] = inertial_of(f"link {name!r}", element.find("inertial"))
@@ -161,20 +172,6 @@ def read_document(file: Path) -> Document:
         raise ValueError("needs at least one <link>")
     name = " ".join(root.get("name", "robot").split())[:80]
     return Document(name if name and name.isprintable() else "robot", links, joints)
-
-
-def _root(text: str) -> Element:
-    if "<!DOCTYPE" in text or "<!ENTITY" in text:
-        raise ValueError("a URDF file has no document type and no entities")
-    try:
-        root = ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
-        raise ValueError(f"damaged XML: {error}") from None
-    if root.tag != "robot":
-        raise ValueError(f"the outermost element must be <robot>, got <{root.tag}>")
-    if any("xacro" in str(element.tag) for element in root.iter()):
-        raise ValueError("has xacro elements: expand it first (ros2 run xacro xacro FILE)")
-    return root
 
 
 def _named(root: Element, tag: str) -> Iterator[tuple[Element, str]]:

@@ -10,7 +10,7 @@ import numpy as np
 from armside.arrays import Array
 
 from .. import rigid
-from ..equations.inertial_model import Body
+from ..equations.inertial_model import PLACES, Body, tensor_of
 
 WHOLE_TURN = 2 * pi
 """[rad], range of a continuous joint to either side."""
@@ -176,18 +176,13 @@ def summed(parts: list[tuple[Array, Inertial]], frame: Array) -> Body:
         G = rigid.inverse(frame) @ T @ inertial.origin
         R, com, m = G[:3, :3], G[:3, 3], float(inertial.body.mass)
         mass, moment = mass + m, moment + m * com
-        tensor += R @ _tensor(inertial.body) @ R.T + m * _offset(com)
+        tensor += R @ tensor_of(inertial.body.inertia) @ R.T + m * _offset(com)
     if not parts:
         return Body(mass=0)
     com = moment / mass
     tensor -= mass * _offset(com)
-    i = [float(tensor[j]) for j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+    i = [float(tensor[place]) for place in PLACES]
     return Body(mass=mass, com=(*map(float, com),), inertia=(*i,))  # pyright: ignore
-
-
-def _tensor(body: Body) -> Array:
-    xx, yy, zz, xy, xz, yz = map(float, body.inertia)
-    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 def _offset(r: Array) -> Array:

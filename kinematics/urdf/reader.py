@@ -100,8 +100,7 @@ class UrdfArm:
     def inertial_model(self) -> InertialModel:
         """The robot with its bodies, without drives.
 
-        Raises:
-            ValueError: there are no bodies.
+        Raises ValueError: there are no bodies.
         """
         if self.bodies is None:
             raise ValueError(f"{self.robot.name} has no masses, or some beside its chain that move")

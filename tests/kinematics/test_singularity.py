@@ -6,7 +6,6 @@ from tests.benchmarks._arms import PANDA, PUMA_560, STANFORD_ARM
 
 from armside.kinematics import IRB1400, Joint, Link, Robot, compile
 from armside.kinematics.singularity import rank_loss, regular_rank
-from armside.kinematics.symbolic.description import manipulability
 
 PLANAR = Robot([Link(a=0.5), Link(a=0.4), Link(a=0.3)])
 SCARA = Robot([Link(a=0.3), Link(a=0.25, alpha=np.pi), Link(joint=Joint.PRISMATIC), Link()])
@@ -58,12 +57,6 @@ def test_a_redundant_arm_has_an_idle_motion_and_singularities_of_its_own():
     assert regular.idle.shape == (7, 1)
     stretched = rank_loss(PANDA, [0.0, 0.0, 0.0, 0.0, 0.0, HALF, 0.0])
     assert stretched.is_singular
-
-
-def test_manipulability_of_fewer_than_six_joints_is_zero():
-    """det(J J^T) of a 6 x 3 Jacobian."""
-    J = np.random.default_rng(0).normal(size=(4, 6, 3))
-    assert np.array_equal(manipulability(J), np.zeros(4))
 
 
 @pytest.mark.parametrize("robot", [PLANAR, SCARA, IRB1400])

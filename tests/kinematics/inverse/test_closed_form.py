@@ -296,20 +296,19 @@ def test_path_that_leaves_the_limits_says_where():
         inverse_path(LARGE_ROBOT, compile(LARGE_ROBOT).pose(phi), phi[0], LARGE_ROBOT_LIMITS)
 
 
-def test_nan_and_what_is_no_rigid_motion_are_refused():
-    T = compile(LARGE_ROBOT).pose(np.zeros(6))
-    broken = T.copy()
-    broken[0, 3] = np.nan
-    with pytest.raises(ValueError, match="NaN"):
-        inverse_nearest(LARGE_ROBOT, broken)
-    with pytest.raises(ValueError, match="rigid motions"):
-        inverse_nearest(LARGE_ROBOT, 2 * T)
-    with pytest.raises(ValueError, match="rigid motions"):
-        inverse_nearest(LARGE_ROBOT, np.diag([1.0, 1.0, -1.0, 1.0]))
-    with pytest.raises(ValueError, match="6 finite motor angles"):
-        inverse_nearest(LARGE_ROBOT, T, previous=[np.nan] * 6)
-    with pytest.raises(ValueError, match=r"\(4, 4\) or \(N, 4, 4\)"):
-        inverse_path(LARGE_ROBOT, np.eye(3))
+@pytest.mark.parametrize(
+    ("T", "previous", "said"),
+    [
+        (np.full((4, 4), np.nan), None, "NaN"),
+        (2 * np.eye(4), None, "rigid motions"),
+        (np.diag([1.0, 1.0, -1.0, 1.0]), None, "rigid motions"),
+        (np.eye(4), [np.nan] * 6, "6 finite motor angles"),
+        (np.eye(3), None, r"\(4, 4\) or \(N, 4, 4\)"),
+    ],
+)
+def test_nan_and_what_is_no_rigid_motion_are_refused(T, previous, said):
+    with pytest.raises(ValueError, match=said):
+        inverse_nearest(LARGE_ROBOT, T, previous=previous)
 
 
 def changed(index: int, **parameters) -> Robot:

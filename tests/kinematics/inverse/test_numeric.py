@@ -258,21 +258,25 @@ def test_failure_says_what_remains_where():
     assert caught.value.distance == pytest.approx(remains, rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("T", "start", "complaint"),
-    [
-        (np.eye(4) * np.nan, np.zeros(6), "T must be finite"),
-        ([np.nan, 0, 0], np.zeros(6), "T must be finite"),
-        (2 * np.eye(4), np.zeros(6), "rigid motions"),
-        (np.diag([1.0, 1.0, -1.0, 1.0]), np.zeros(6), "rigid motions"),
-        (np.eye(3)[None, None], np.zeros(6), r"got \(1, 1, 3, 3\)"),
-        (np.eye(4), np.zeros(5), r"start must have shape \(6,\), got \(5,\)"),
-        (np.eye(4), [np.inf] * 6, "start must be finite"),
-    ],
-)
-def test_bad_targets_and_starts_are_refused(T, start, complaint):
+REFUSED = [
+    ({"T": np.eye(4) * np.nan}, "T must be finite"),
+    ({"T": [np.nan, 0, 0]}, "T must be finite"),
+    ({"T": 2 * np.eye(4)}, "rigid motions"),
+    ({"T": np.diag([1.0, 1.0, -1.0, 1.0])}, "rigid motions"),
+    ({"T": np.eye(3)[None, None]}, r"got \(1, 1, 3, 3\)"),
+    ({"start": np.zeros(5)}, r"start must have shape \(6,\), got \(5,\)"),
+    ({"start": [np.inf] * 6}, "start must be finite"),
+    *(({"restarts": x}, "restarts must be a whole number from 0") for x in (-1, 1.5, None)),
+    ({"robot": Robot([Link(a="a")]), "start": [0.0]}, "of numbers; robot has symbols: a"),
+    ({"robot": PANDA, "start": [0.0] * 7, "limits": IRB1400_LIMITS}, "have 7 motors, got 6"),
+]
+
+
+@pytest.mark.parametrize(("given", "complaint"), REFUSED, ids=range(len(REFUSED)))
+def test_bad_targets_starts_and_options_are_refused(given, complaint):
+    usual = {"robot": LARGE_ROBOT, "T": np.eye(4), "start": np.zeros(6)}
     with pytest.raises(ValueError, match=complaint):
-        inverse_numeric(LARGE_ROBOT, T, start)
+        inverse_numeric(**(usual | given))
 
 
 @pytest.mark.parametrize("tolerance", [-1e-9, 0.0, np.nan, np.inf, 1e-14, "1e-9", None, [1e-9]])
@@ -284,19 +288,6 @@ def test_a_tolerance_that_no_search_can_keep_is_refused(tolerance):
     for solve, target in ((inverse_numeric, T), (inverse_numeric_path, T[None])):
         with pytest.raises(ValueError, match=said):
             solve(LARGE_ROBOT, target, phi + 0.1, tolerance)
-
-
-@pytest.mark.parametrize("restarts", [-1, 1.5, None])
-def test_restarts_are_counted(restarts):
-    with pytest.raises(ValueError, match="restarts must be a whole number from 0"):
-        inverse_numeric(LARGE_ROBOT, np.eye(4), np.zeros(6), restarts=restarts)
-
-
-def test_robots_of_symbols_and_limits_of_other_robots_are_refused():
-    with pytest.raises(ValueError, match="needs a robot of numbers; robot has symbols: a"):
-        inverse_numeric(Robot([Link(a="a")]), np.eye(4), [0.0])
-    with pytest.raises(ValueError, match="limits must have 7 motors, got 6"):
-        inverse_numeric(PANDA, np.eye(4), np.zeros(7), limits=IRB1400_LIMITS)
 
 
 def test_a_slide_stays_in_its_range_on_the_way():
