@@ -61,7 +61,6 @@ class Server:
     """Cycles of 4 ms by the clock; otherwise the next begins as soon as the client answers."""
     patience: float = 0.5
     """[s], for an answer, where cycles do not follow the clock."""
-    bind: str = "127.0.0.1"
     late: int = 0
     """Answers that came after their cycle or twice. In real time an absolute target that is one
     cycle late still serves the next, where that has none: the newest counts."""
@@ -83,7 +82,7 @@ class Server:
     def serve(self, until: Callable[[], bool]) -> None:
         """Send and receive until `until()` holds, asked each cycle. Raises OSError."""
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
-            udp.bind((self.bind, 0))
+            udp.bind(("127.0.0.1", 0))
             udp.setblocking(False)
             with real_time() if self.real_time else nullcontext() as self.prioritised:
                 tick = time.monotonic()
