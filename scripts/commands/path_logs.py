@@ -41,7 +41,7 @@ def path_logs(
     report = Report(common)
     with checking_input():
         arm, logs = load_robot(cfg.robot).arm, read_path_logs(data)
-        with report.progress("running", total=cfg.runs * len(logs.speeds)) as step:
+        with report.progress("running", total=cfg.runs * len(logs.logs)) as step:
             try:
                 done = compare_logs(arm, logs, cfg.runs, common.seed, step)
             except RuntimeError as error:

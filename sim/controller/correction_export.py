@@ -64,7 +64,8 @@ def resampled(values: Array, sample_time: float, rate: float) -> Array:
 
 def joint_values(stored: StoredCorrection, form: Form, rate: float) -> Array:
     """(M, n) at a rate [Hz]: u, or r + u from which the other two forms are made."""
-    values = stored.correction if form == "joint-correction" else stored.commanded
+    u = stored.correction
+    values = u if form == "joint-correction" else stored.reference + u
     return resampled(values, stored.sample_time, rate)
 
 

@@ -54,15 +54,14 @@ class GuidanceLimits:
         return cls(lower=lower, upper=upper, speed=speed, joints=of)
 
     @classmethod
-    def of(cls, model: "RobotModel", cell: "Cell") -> "GuidanceLimits":
-        """The narrower limits of a robot's model and of its cell."""
-        (lower, upper), own = model.joint_range.T, cls.of_cell(cell)
-        return replace(
-            own,
-            lower=np.maximum(lower, own.lower),
-            upper=np.minimum(upper, own.upper),
-            speed=np.minimum(model.drives.speed_limit, own.speed),
-        )
+    def of(cls, model: "RobotModel", cell: "Cell | None" = None) -> "GuidanceLimits":
+        """Limits of a robot's model, and those of its cell where they are narrower."""
+        (lower, upper), speed = model.joint_range.T, model.drives.speed_limit
+        if cell is None:
+            return cls(lower=lower, upper=upper, speed=speed)
+        own = cls.of_cell(cell)
+        lower, upper = np.maximum(lower, own.lower), np.minimum(upper, own.upper)
+        return replace(own, lower=lower, upper=upper, speed=np.minimum(speed, own.speed))
 
     def refusal(self, target: Array, before: Array) -> str | None:
         """Why a target (n,) [rad] is refused that follows `before`; None if it is allowed."""

@@ -24,6 +24,8 @@ SETTLING = 50
 """Samples of rest before a path that the robot was moved to."""
 MOST_LOST = 0.1
 """Share of messages of one run that may be lost."""
+LONGEST = 600.0
+"""[s], of a program that is listened to."""
 MOST_ASKED = 250
 """Messages that ask for the answer to one sample."""
 MOST_WAITED = 100_000
@@ -186,7 +188,7 @@ class StreamedPlant:
         return last
 
 
-def program_of(link: Connection, seconds: float = 600.0) -> Array:
+def program_of(link: Connection) -> Array:
     """The controller's program (N, n) [rad], listened to in one run without correction.
 
     Raises TimeoutError when no controller speaks, LostError when it does not move or end.
@@ -196,7 +198,7 @@ def program_of(link: Connection, seconds: float = 600.0) -> Array:
     while state.phase is not Phase.WAITING:
         state = link.receive()
     still, found, start = np.zeros_like(state.joints), [np.deg2rad(state.planned)], state.time
-    while len(found) < seconds / PERIOD:
+    while len(found) < LONGEST / PERIOD:
         values = still if link.additive else state.planned
         link.answer(Answer(values=values, additive=link.additive), state)
         state = link.receive()
@@ -207,4 +209,4 @@ def program_of(link: Connection, seconds: float = 600.0) -> Array:
             raise LostError("a message of the program was lost: listen again")
         if ahead == len(found):
             found.append(np.deg2rad(state.planned))
-    raise LostError(f"the program does not end within {seconds:g} s")
+    raise LostError(f"the program does not end within {LONGEST:g} s")

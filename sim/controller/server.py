@@ -61,7 +61,6 @@ class Server:
     """Cycles of 4 ms by the clock; otherwise the next begins as soon as the client answers."""
     patience: float = 0.5
     """[s], for an answer, where cycles do not follow the clock."""
-    bind: str = "127.0.0.1"
     late: int = 0
     """Answers that came after their cycle or twice. In real time an absolute target that is one
     cycle late still serves the next, where that has none: the newest counts."""
@@ -83,7 +82,7 @@ class Server:
     def serve(self, until: Callable[[], bool]) -> None:
         """Send and receive until `until()` holds, asked each cycle. Raises OSError."""
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
-            udp.bind((self.bind, 0))
+            udp.bind(("127.0.0.1", 0))
             udp.setblocking(False)
             with real_time() if self.real_time else nullcontext() as self.prioritised:
                 tick = time.monotonic()
@@ -100,7 +99,11 @@ class Server:
         controller.ahead()
         if self.real_time:
             tick += 1e-3 * CYCLE_MS
-            answer = self._newest(udp, state, tick) or overdue
+            answer = None
+            for one in self._answers(udp, state, tick):
+                self.late += None not in (one, answer)  # the one before was due earlier
+                answer = one or answer
+            answer = answer or overdue
             late = time.monotonic() - tick
             self.longest = max(self.longest, 0.0 if waiting else late)
             tick = time.monotonic() if late > 0.25 else tick
@@ -123,17 +126,10 @@ class Server:
         if not self.real_time or self._before is None:
             self.late += len(datagrams)
             return None
-        found = [self._answer(datagram, self._before) for datagram in datagrams]
+        found = (self._answer(datagram, self._before) for datagram in datagrams)
         overdue = [answer for answer in found if answer is not None]
         self.late += len(overdue)
         return overdue[-1] if overdue and not self.wire.additive else None
-
-    def _newest(self, udp: socket.socket, state: State, tick: float) -> Answer | None:
-        newest = None
-        for answer in self._answers(udp, state, tick):
-            self.late += None not in (answer, newest)  # the one before was due earlier
-            newest = answer or newest
-        return newest
 
     def _answers(self, udp: socket.socket, state: State, end: float) -> Iterator[Answer | None]:
         """What datagrams answer a message until a time [s]; None for those that do not."""

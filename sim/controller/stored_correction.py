@@ -46,11 +46,6 @@ class StoredCorrection:
     ended: Mapping[str, str] = field(default_factory=dict)
     """How the run ended, by the names of `gate`; empty where it ended well."""
 
-    @property
-    def commanded(self) -> Array:
-        """r + u, shape (N, n)."""
-        return self.reference + self.correction
-
 
 def stored_correction(run: StoredRun, law: str | None = None) -> StoredCorrection:
     """Correction of a run of laser, cut or learn. law: which, where learn compared several.

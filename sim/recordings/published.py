@@ -99,15 +99,10 @@ def read_ur10(file: Path) -> PoseRecording:
         if len(row) != len(header):
             text = f"row {number} has {len(row)} columns, the header {len(header)}"
             raise ValueError(f"{file.name}: {text}")
-
-    def columns(names: tuple[str, ...]) -> Array:
-        places = [header.index(name) for name in names]
-        return np.array(
-            [[_number(file, i, row[k]) for k in places] for i, row in enumerate(rows, 1)]
-        )
-
-    points = MM * columns(POSITION)[:, None]
-    return PoseRecording(Measurements(phi=columns(JOINTS), points=points), "UR10 with T-Mac")
+    places = [header.index(name) for name in (*POSITION, *JOINTS)]
+    found = np.array([[_number(file, i, row[k]) for k in places] for i, row in enumerate(rows, 1)])
+    measurements = Measurements(phi=found[:, 3:].copy(), points=MM * found[:, None, :3])
+    return PoseRecording(measurements, "UR10 with T-Mac")
 
 
 def _number(file: Path, row: int, text: str) -> float:
@@ -137,19 +132,17 @@ def read_aubo(folder: Path) -> MotionRecording:
     imu, of_imu = repaired("IMU", robot["tImu"].ravel()[started], robot["z"][started])
     notes += of_imu
     tracker: Stream | None = None
-    cameras_of = [folder / f"{name}Tracker.mat" for name in NAMES]
-    file = next((file for file in cameras_of if file.is_file()), None)
-    if file is None:
+    files = (folder / f"{name}Tracker.mat" for name in NAMES)
+    if (file := next((file for file in files if file.is_file()), None)) is None:
         others = sorted(each.name for each in folder.glob("*.mat") if each.stem != stem)
         beside = f", and {', '.join(others)} is not read" if others else ""
-        notes += (f"cameras: there is no {cameras_of[NAMES.index(stem)].name}{beside}",)
+        notes += (f"cameras: there is no {stem}Tracker.mat{beside}",)
     else:
-        cameras = _content(file, {"t": 1, "p": 3})
-        p = cameras["p"]
+        t, p = _content(file, {"t": 1, "p": 3}).values()
         if np.nanmedian(np.abs(p)) > FARTHEST:
-            p = 1e-3 * p
+            p = MM * p
             notes += ("cameras: positions are in millimetres, taken as such",)
-        tracker, of_cameras = repaired("cameras", cameras["t"].ravel(), p)
+        tracker, of_cameras = repaired("cameras", t.ravel(), p)
         notes += of_cameras
     return MotionRecording(
         name=folder.name,

@@ -15,7 +15,7 @@ from .bags.bag import motion_of_bag, poses_of_bag
 from .bags.messages import is_bag
 from .published import is_aubo, is_irb120, is_ur10, read_aubo, read_irb120, read_ur10
 from .recorded_motion import MotionRecording, PoseRecording, Stream
-from .tables import COLUMNS, has_motion_tables, read_motion_tables, read_pose_table
+from .tables import COLUMNS, instrument_table, read_motion_tables, read_pose_table
 
 FIRST = 0
 """Iteration of a run that is read: later ones are corrected by what was learned."""
@@ -44,9 +44,9 @@ def read_motion(source: Path, topics: BagTopics = BagTopics()) -> MotionRecordin
         except ValueError as error:
             name = source.resolve().name
             raise error if name in str(error) else ValueError(f"{name}: {error}") from error
-    forms = "encoders.csv, metadata.yaml of a ROS 2 bag, ContinuousEvaluation.mat, or a run's "
-    forms += "signals.parquet"
-    raise ValueError(f"{source} is no recording of a known form: it needs {forms}")
+    forms = "encoders.csv, metadata.yaml of a ROS 2 bag, ContinuousEvaluation.mat"
+    unknown = f"{source} is no recording of a known form: it needs {forms}"
+    raise ValueError(f"{unknown}, or a run's signals.parquet")
 
 
 def _reader(folder: Path) -> Reader | None:
@@ -54,7 +54,7 @@ def _reader(folder: Path) -> Reader | None:
         return read_aubo
     if (folder / "signals.parquet").is_file() and (folder / "summary.json").is_file():
         return read_run_motion
-    return read_motion_tables if has_motion_tables(folder) else None
+    return read_motion_tables if instrument_table(folder) else None
 
 
 def read_run_motion(folder: Path) -> MotionRecording:
@@ -62,10 +62,9 @@ def read_run_motion(folder: Path) -> MotionRecording:
     run = next((run for run in read_run(folder).signals.runs if run.k == FIRST), None)
     if run is None:
         raise ValueError(f"{folder} has no run k = {FIRST}")
-    tracker: Stream | None = None
-    if run.tracker is not None and run.tracker.valid.any():
-        seen = run.tracker.valid
-        tracker = Stream(run.tracker.time[seen], run.tracker.position[seen])
+    tracker, own = None, run.tracker
+    if own is not None and own.valid.any():
+        tracker = Stream(own.time[own.valid], own.position[own.valid])
     return MotionRecording(
         name=folder.name,
         encoders=Stream(run.recording.time, run.recording.motor_angle),

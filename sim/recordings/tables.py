@@ -56,17 +56,12 @@ def read_pose_table(file: Path) -> PoseRecording:
     return PoseRecording(measurements, "table of poses")
 
 
-def has_motion_tables(folder: Path) -> bool:
-    """True for a folder with a table of encoders."""
-    return _file(folder, "encoders") is not None
-
-
 def read_motion_tables(folder: Path) -> MotionRecording:
     """Recording of a folder. Raises ValueError for columns that are missing or damaged."""
     streams: dict[str, Stream] = {}
     notes: tuple[str, ...] = ()
     for name in ("encoders", *COLUMNS):
-        if (file := _file(folder, name)) is None:
+        if (file := instrument_table(folder, name)) is None:
             continue
         table = read_table(file)
         columns = COLUMNS.get(name) or numbered(table, "motor_angle_{}") or ["motor_angle_1"]
@@ -89,7 +84,8 @@ def write_motion_tables(folder: Path, recording: MotionRecording, kind: str) -> 
             write_table(folder / f"{name}.{kind}", table)
 
 
-def _file(folder: Path, name: str) -> Path | None:
+def instrument_table(folder: Path, name: str = "encoders") -> Path | None:
+    """File of the table of an instrument, if there is one."""
     found = (folder / f"{name}{suffix}" for suffix in READERS)
     return next((file for file in found if file.is_file()), None)
 

@@ -33,8 +33,7 @@ class StoredRun:
 
     def file(self, name: str) -> Path:
         """Path of one of its files. Raises InputError where the run has no such file."""
-        file = self.folder / name
-        if not file.exists():
+        if not (file := self.folder / name).exists():
             raise InputError(f"{self.folder} has no {name}: {self._writer} wrote none")
         return check_file(file, LARGEST_DATA)
 

@@ -32,7 +32,7 @@ ENDINGS = {"rapid": ".mod", "krl": ".src", "urscript": ".script"}
 _MOVE = "    {} @, {}, {}, tool0\\WObj:=wobj0;"
 FORMS: dict[Language, dict[str, str]] = {
     "rapid": {
-        "head": """MODULE {name}
+        "head": """MODULE armside
   ! Written by armside: {about}. mm, mm/s, quaternion w x y z.
   ! Tool tool0: the bare flange. Work object wobj0: the robot's base.
   ! SET confHere: [0,0,0,0] is a placeholder for the axis configuration of your robot here.
@@ -51,7 +51,7 @@ FORMS: dict[Language, dict[str, str]] = {
         "[9E9,9E9,9E9,9E9,9E9,9E9]]",
     },
     "krl": {
-        "head": """DEF {name}( )
+        "head": """DEF armside( )
 ;Written by armside: {about}. mm, m/s, deg, R = Rz(A) Ry(B) Rx(C).
 ;Tool: the bare flange. Base: the robot's own.
 ;SET S and T of the first point, the axis configuration of your robot: none is given.
@@ -72,7 +72,7 @@ $APO.CDIS={zone:.3f}""",
         "head": """# Written by armside: {about}. m, m/s, rad, rotation vector.
 # TCP: the bare flange. Poses in the robot's base.
 # SET the robot near its first pose by hand: movej takes the nearest joint angles.
-def {name}():
+def armside():
   set_tcp(p[0, 0, 0, 0, 0, 0])""",
         "note": "  # ",
         "joint": "  movej(@, a=1.4, v=0.5)",
@@ -120,7 +120,6 @@ def new_program(
     spacing: float,
     rapid: float,
     rows: Sequence[Row] | None = None,
-    name: str = "armside",
 ) -> NewProgram:
     """Program for all cuts of a motion, leads included, with straight moves between them.
 
@@ -138,7 +137,6 @@ def new_program(
     unit = 1e3 if language == "rapid" else 1.0
     zone = CLOSE * closest if language == "urscript" else spacing / 2.0
     numbers: dict[str, Any] = {
-        "name": name,
         "about": f"{1e3 * speed:g} mm/s, {1e3 * spacing:.3g} mm between targets",
         "cut": unit * speed,
         "rapid": unit * rapid,
@@ -161,7 +159,7 @@ def new_program(
         add("stop", row.targets[-1])
         lines.append(f"{form['note']}beam off")
     return NewProgram(
-        text=Text(f"{name}{ENDINGS[language]}", "\n".join([*lines, form["tail"]])),
+        text=Text(f"armside{ENDINGS[language]}", "\n".join([*lines, form["tail"]])),
         targets=count,
         spacing=spacing,
         chord_error=max(far for _, far in fits),

@@ -12,7 +12,7 @@ it a sensitivity holds for steps of micrometres alone. D are second differences 
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -178,8 +178,8 @@ class Model:
                 probed = np.intersect1d(program.free[k::n], own)
                 of = np.searchsorted(begins[probed], rows, side="right") - 1
                 change = (error - base)[rows] / PROBE
-                for j, target in enumerate(probed):
-                    A[of == j, :, np.searchsorted(own, target), d] = change[of == j]
+                on = np.flatnonzero(of >= 0)
+                A[on, :, np.searchsorted(own, probed)[of[on]], d] = change[on]
             found.append((own, rows, A.reshape(3 * len(rows), -1)))
         return found
 
@@ -226,10 +226,9 @@ class TargetStep(FirstOrderLaw):
         return correction + program.basis @ offset
 
 
-def law_of(model: Model) -> Simulated:
+def law_of(model: Model, passes: int = PASSES) -> Simulated:
     """Learning on the model between two runs of the robot."""
-    step = TargetStep(model)
-    return Simulated(simulation=model, law=step, weight=AXES, passes=PASSES)
+    return Simulated(simulation=model, law=TargetStep(model), weight=AXES, passes=passes)
 
 
 def contour_measure(
@@ -322,4 +321,4 @@ def learn_targets(
 def learned_in(program: PlannedProgram, robot: RobotModel) -> Array:
     """Displacement of the path (N, 3) [m] that a model of the robot, such as a twin, needs."""
     model, none = Model(program, robot), np.zeros((len(program.experiment.motion.time), 3))
-    return replace(law_of(model), passes=2 * PASSES)(none, model(none))
+    return law_of(model, 2 * PASSES)(none, model(none))

@@ -152,7 +152,7 @@ def _joined(a: Place, b: Place) -> bool:
     return a.tool.same(b.tool) and a.base.same(b.base) and float(np.linalg.norm(apart)) > SHORT
 
 
-def arcs_of(program: ProgramText, step: float = STEP) -> dict[int, Array]:
+def arcs_of(program: ProgramText) -> dict[int, Array]:
     """Points (K, 3) [m] of each MoveC by its index, in its work object, without the zones at its
     ends."""
     found = dict[int, Array]()
@@ -163,13 +163,13 @@ def arcs_of(program: ProgramText, step: float = STEP) -> dict[int, Array]:
                 place.text.fail(place.at, "an arc needs a position before it")
             start, end = (aim.pose[:3, 3] for aim in (before, place.aim) if aim is not None)
             try:
-                found[i] = arc(start, np.array(move.via), end, step)
+                found[i] = arc(start, np.array(move.via), end)
             except ValueError as error:
                 place.text.fail(place.at, str(error))
     return found
 
 
-def arc(start: Array, via: Array, end: Array, step: float = STEP) -> Array:
+def arc(start: Array, via: Array, end: Array) -> Array:
     """Points (K, 3) [m] of the circle through three points, or ValueError for points on a line."""
     a, b = via - start, end - start
     normal = np.cross(a, b)
@@ -179,6 +179,6 @@ def arc(start: Array, via: Array, end: Array, step: float = STEP) -> Array:
     x = start - centre
     y = np.cross(normal / np.sqrt(square), x)
     angle = np.mod(np.arctan2((end - centre) @ y, (end - centre) @ x), 2.0 * np.pi)
-    n = int(np.ceil(angle * np.sqrt(x @ x) / step)) + 1
+    n = int(np.ceil(angle * np.sqrt(x @ x) / STEP)) + 1
     t = np.linspace(0.0, angle, max(n, 2))[:, np.newaxis]
     return centre + np.cos(t) * x + np.sin(t) * y

@@ -150,8 +150,7 @@ def compare_logs(
     path = waypoint_path(compile(arm.robot), logs.position, logs.phi)
     rng = np.random.default_rng(seed)
 
-    def one(speed: float) -> AtSpeed:
-        real = [log.motors for log in logs.logs if log.speed == speed]
+    def one(speed: float, real: list[Stream]) -> AtSpeed:
         timing = timing_errors(real)
         virtual = virtual_runs(path, speed, runs, seed, step)
         return AtSpeed(
@@ -164,7 +163,7 @@ def compare_logs(
             perfect=perfect_scatter(path, speed, timing, len(real), rng),
         )
 
-    return PathComparison(path=path, speeds=tuple(one(speed) for speed in logs.speeds))
+    return PathComparison(path=path, speeds=tuple(one(*each) for each in logs.logs.items()))
 
 
 def perfect_scatter(

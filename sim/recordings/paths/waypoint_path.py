@@ -33,16 +33,6 @@ SLOWEST, FASTEST = 5e-3, 5.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class MotorLog:
-    """One run along the path."""
-
-    speed: float
-    """Programmed [m/s]."""
-    motors: Stream
-    """(N, 6) [rad], after the approach to the path."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class PathLogs:
     """Waypoints of a path, and the logs of repeated runs along it."""
 
@@ -50,12 +40,8 @@ class PathLogs:
     """(W, 3) [m], of the tool, base axes."""
     phi: Array
     """(W, 6) [rad], motor angles there."""
-    logs: tuple[MotorLog, ...]
-
-    @property
-    def speeds(self) -> tuple[float, ...]:
-        """Programmed speeds [m/s], rising."""
-        return tuple(sorted({log.speed for log in self.logs}))
+    logs: dict[float, list[Stream]]
+    """(N, 6) [rad] of each run after the approach to the path, by programmed speed [m/s]."""
 
 
 def read_path_logs(folder: Path) -> PathLogs:
@@ -66,7 +52,10 @@ def read_path_logs(folder: Path) -> PathLogs:
     files = [file for file in sorted(folder.glob("*.csv")) if SPEED.search(file.name)]
     if not files:
         raise ValueError(f"{folder} has no logs: names must hold the speed, as in run_0_v75.0_.csv")
-    return PathLogs(position=position, phi=phi, logs=tuple(_log(file) for file in files))
+    logs: dict[float, list[Stream]] = {}
+    for speed, log in map(_log, files):
+        logs.setdefault(speed, []).append(log)
+    return PathLogs(position=position, phi=phi, logs=dict(sorted(logs.items())))
 
 
 def _waypoints(file: Path) -> tuple[Array, Array]:
@@ -85,7 +74,7 @@ def _numbers(text: str | None) -> list[float]:
     return [float(number) for number in NUMBER.findall((text or "").replace("array", ""))]
 
 
-def _log(file: Path) -> MotorLog:
+def _log(file: Path) -> tuple[float, Stream]:
     match = SPEED.search(file.name)
     assert match
     try:
@@ -104,8 +93,7 @@ def _log(file: Path) -> MotorLog:
     if not SLOWEST <= speed <= FASTEST:
         text = f"from {SLOWEST / MM:g} to {FASTEST / MM:g} mm/s"
         raise ValueError(f"{file.name}: the speed must be {text}, got {speed / MM:g}")
-    motors = Stream(table[:, 0], np.radians(table[:, 2:]))
-    return MotorLog(speed=speed, motors=motors)
+    return speed, Stream(table[:, 0], np.radians(table[:, 2:]))
 
 
 POINTS = 20001

@@ -1,7 +1,6 @@
 """`armside learn` on a robot behind a protocol: a law of a paper, and updates in two parts."""
 
 import json
-import threading
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -15,33 +14,20 @@ from armside.sim.controller.egm import EgmWire
 from armside.sim.controller.rsi import RsiWire
 from armside.sim.controller.server import Server
 
-from .robots import guided, path, programmed
+from .robots import guided, path, programmed, served
 
 EXAMPLES = Path(__file__).parents[3] / "docs" / "examples"
 PATIENCE = 20.0
 
 
-def free_port():
-    with Rsi(port=0) as link:
-        return link.address[1]
-
-
 @contextmanager
-def served(protocol):
+def speaking(protocol):
     """The small robot, speaking to a free port; yields the words of the plant."""
-    if protocol == "egm":
-        wire, controller = EgmWire(), guided()
-    else:
-        wire, controller = RsiWire(), programmed()
-    port, stop = free_port(), threading.Event()
-    server = Server(controller, wire, ("127.0.0.1", port), patience=PATIENCE)
-    thread = threading.Thread(target=server.serve, args=(stop.is_set,))
-    thread.start()
-    try:
+    wire, controller = (EgmWire(), guided()) if protocol == "egm" else (RsiWire(), programmed())
+    with Rsi(port=0) as link:
+        port = link.address[1]
+    with served(Server(controller, wire, ("127.0.0.1", port), patience=PATIENCE)):
         yield f"{protocol}:port={port},wait=20"
-    finally:
-        stop.set()
-        thread.join()
 
 
 def learned(*words):
@@ -60,7 +46,7 @@ def place(tmp_path, monkeypatch):
 def test_a_model_free_law_of_a_paper_learns_two_axes_through_egm(place):
     """Every pair of axes by time reversal: four runs of the robot an update."""
     law = f"{EXAMPLES / 'adjoint.py'}:Adjoint"
-    with served("egm") as plant:
+    with speaking("egm") as plant:
         words = ("--plant", plant, "--reference", "path.csv", "--laws", law, "--iterations", 2)
         steps = ("--beyond", "speed", "acceleration")  # errors backwards begin with one
         (row,) = learned(*words, *steps, "--out", "a")["laws"]
@@ -73,10 +59,10 @@ def test_updates_and_as_many_more_over_a_protocol_are_those_at_once(protocol, pl
     n, law = 2, "heuristic:gamma=0.7,delta=6,cutoff=15"
     of_path = ("--reference", "path.csv") if protocol == "egm" else ()
     steps = ("--beyond", "speed", "acceleration")  # the path moves at once
-    with served(protocol) as plant:
+    with speaking(protocol) as plant:
         words = ("--plant", plant, *of_path, "--laws", law, *steps)
         whole = learned(*words, "--iterations", 2 * n, "--out", "once")
-    with served(protocol) as plant:
+    with speaking(protocol) as plant:
         words = ("--plant", plant, *words[2:])
         learned(*words, "--iterations", n, "--out", "first")
         more = learned("--from", "first", *steps, "--iterations", n, "--out", "more")
@@ -89,7 +75,7 @@ def test_updates_and_as_many_more_over_a_protocol_are_those_at_once(protocol, pl
 def test_a_start_beyond_the_gate_is_refused_and_so_is_a_law_that_grows_there(place, capsys):
     """Bad input before anything is sent; a failure where the law comes to it, in one line each."""
     write_signal(place / "wild.csv", np.full_like(path(), 1e6), 0.004, "correction")
-    with served("rsi") as plant:
+    with speaking("rsi") as plant:
         words = ["learn", "--plant", plant, "--iterations", "3", "--quiet", "--out", "a"]
         assert main([*words, "--from", "wild.csv"]) == 2
         assert main([*words, "--laws", "heuristic:gamma=100,delta=0,cutoff=15"]) == 1

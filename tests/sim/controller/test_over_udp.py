@@ -5,7 +5,6 @@ import os
 import select
 import socket
 import threading
-from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -27,7 +26,7 @@ from armside.sim.controller.plant import LostError, program_of
 from armside.sim.controller.rsi import RsiWire
 from armside.sim.controller.server import Server
 
-from .robots import CELL, MODEL, START, guided, path, programmed
+from .robots import CELL, MODEL, START, guided, path, programmed, served
 
 PATIENCE = 20.0
 """[s], of both sides: a machine that is busy must lose nothing."""
@@ -95,19 +94,6 @@ class Lossy:
         if self._held[source] is not None:
             udp.sendto(self._held[source], to)
             self._held[source] = None
-
-
-@contextmanager
-def served(server):
-    """The server in a thread of its own."""
-    stop = threading.Event()
-    thread = threading.Thread(target=server.serve, args=(stop.is_set,))
-    thread.start()
-    try:
-        yield server
-    finally:
-        stop.set()
-        thread.join()
 
 
 def learned(link, updates=3):

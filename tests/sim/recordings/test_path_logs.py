@@ -11,7 +11,7 @@ from armside.kinematics import CATALOGUE, LARGE_ROBOT, compile
 from armside.sim.recordings import Stream
 from armside.sim.recordings.paths import compare_logs, path_scatter, timing_errors, waypoint_path
 from armside.sim.recordings.paths.beside_virtual import perfect_scatter
-from armside.sim.recordings.paths.waypoint_path import MotorLog, PathLogs, read_path_logs
+from armside.sim.recordings.paths.waypoint_path import PathLogs, read_path_logs
 
 SETS = Path(os.environ.get("ARMSIDE_MEASUREMENTS") or ".") / "irb6640_logs"
 ROBOT, TOOL = compile(LARGE_ROBOT), np.array([0.05, 0.0, 0.3])
@@ -106,8 +106,7 @@ def test_error_is_that_across_the_path_without_its_mean():
 
 def test_the_virtual_robot_runs_the_path_and_repeats_better_than_such_a_log():
     position, phi = (values[:35] for values in waypoints())
-    runs = tuple(MotorLog(speed=SPEED, motors=run) for run in logs())
-    short = PathLogs(position=position, phi=phi, logs=runs)
+    short = PathLogs(position=position, phi=phi, logs={SPEED: logs()})
     (one,) = compare_logs(CATALOGUE["large"], short, runs=2, seed=0).speeds
     assert one.n_runs == 6
     assert one.virtual.scatter < 0.1 * one.virtual_logged.scatter
@@ -145,9 +144,10 @@ def written(folder, rows=60):
 def test_files_as_published_are_read_with_their_units(tmp_path):
     table, header = written(tmp_path)
     read = read_path_logs(tmp_path)
-    assert read.speeds == (SPEED,)
+    ((speed, (read_log,)),) = read.logs.items()
+    assert speed == SPEED
     np.testing.assert_allclose(read.position, waypoints()[0], atol=1e-9)
-    np.testing.assert_allclose(read.logs[0].motors.values[-1], log(0).values[-1], atol=1e-7)
+    np.testing.assert_allclose(read_log.values[-1], log(0).values[-1], atol=1e-7)
     file = tmp_path / "run_0_v250_z10.csv"
     table[200, 0] = table[100, 0]
     np.savetxt(file, table, "%.9g", ", ", header=header, comments="")
@@ -168,7 +168,7 @@ def test_files_as_published_are_read_with_their_units(tmp_path):
 @pytest.mark.skipif(not SETS.is_dir(), reason="ARMSIDE_MEASUREMENTS names no folder irb6640_logs")
 def test_scatter_of_the_irb6640_is_that_of_its_log():
     read = read_path_logs(SETS)
-    assert len(read.speeds) == 3
+    assert len(read.logs) == 3
     for one in compare_logs(CATALOGUE["large"], read, runs=2, seed=0).speeds:
         np.testing.assert_allclose(one.timing.deviation, 0.8e-3, atol=0.12e-3)
         assert one.real.scatter == pytest.approx(one.perfect.mean(), rel=0.15)

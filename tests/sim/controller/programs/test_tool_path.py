@@ -64,7 +64,7 @@ def test_a_small_zone_is_a_parabola_that_joins_both_lines():
 
 
 def test_an_arc_is_the_circle_through_its_three_points():
-    points = arc(*circle([0.0, 0.004, 0.021]), step=1e-4)
+    points = arc(*circle([0.0, 0.004, 0.021]))
     np.testing.assert_allclose(np.linalg.norm(points - [1.2, 0.1, 0.9], axis=1), 0.005)
     assert np.linalg.norm(np.diff(points, axis=0), axis=1).sum() == pytest.approx(0.021, rel=1e-3)
     p = [f"{{X {x:.1f},Y 0,Z 0,A 0,B 0,C 0}}" for x in range(3)]
