@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import mujoco
 import numpy as np
 
 from armside import kinematics
@@ -13,6 +12,7 @@ from armside.sim.evaluation.check import Check, Table
 from armside.sim.imu import ImuExperiment
 from armside.sim.imu.phases import FAST_CIRCLE, RECTANGLE, SLOW_CIRCLE, WINDOW
 from armside.sim.robot.flexibility import Flexibility
+from armside.sim.robot.kinematics_check import site_poses
 
 from ..figures import imu as figures
 from ..jobs.store import Result
@@ -105,9 +105,7 @@ def mounting(folder: Path) -> Drawn:
     T_base_tool, T_base_imu = (
         kinematics.compile(robot).pose(zero)[0] for robot in (cell.robot, cell.with_imu)
     )
-    data = mujoco.MjData(mj := RIGID.model().mj)
-    mujoco.mj_kinematics(mj, data)
-    site = data.site("imu").xpos
+    site = site_poses(RIGID.model(), zero, "imu")[0][0, :3, 3]
     positions = {
         "from TCP0, by the links": 1e3 * (T_base_imu - T_base_tool)[:3, 3],
         "from the base, by the links": 1e3 * T_base_imu[:3, 3],
