@@ -245,7 +245,11 @@ def error_along(folder: Path, result: Result) -> Drawn:
     late = result["time"] >= result["since"]
     shown = {name: PROCESSED[name] for name in ("default", "as in the thesis")}
     curves = {f"processed: {k}": result[f"{v}window_rms"][late] for k, v in shown.items()}
-    shaded = {name: _during(result, speed) for name, speed in PARTS.items()}
+    shaded: dict[str, tuple[float, float]] = {}
+    for name, speed in PARTS.items():  # [m/s], programmed along the path of a part
+        moves = result["move_speed"] == speed
+        start, end = result["move_start"][moves].min(), result["move_end"][moves].max()
+        shaded[name] = float(start), float(end)
     figures.acceleration_error(folder / "5.10.png", result["time"][late], curves, WINDOW, shaded)
     rows = [
         [name, what, *map(float, result[f"{prefix}acceleration_window_{key}"])]
@@ -263,9 +267,3 @@ def error_along(folder: Path, result: Result) -> Drawn:
         checks.windows(result),
         [table],
     )
-
-
-def _during(result: Result, speed: float) -> tuple[float, float]:
-    """From and to [s] of the moves programmed at a speed along their path [m/s]."""
-    moves = result["move_speed"] == speed
-    return float(result["move_start"][moves].min()), float(result["move_end"][moves].max())
