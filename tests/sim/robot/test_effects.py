@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from armside.sim.robot.effects import Effect, available, with_effects
+from armside.sim.robot.mjcf import axis_actuators
 from armside.sim.robot.statics import spring_stiffness
 from armside.sim.robot.virtual_robot import VirtualRobot
 
@@ -69,9 +70,8 @@ def test_ripple_is_a_torque_of_the_motor_angle(design):
     rough = with_effects(design, {Effect.RIPPLE}, phi=POSE)
     amplitude, order = rough.mj.numeric("torque_ripple").data
     peak = amplitude * design.drives.torque_limit
-    for i in range(6):
-        bias = rough.mj.actuator_biasprm[rough.mj.actuator(f"axis_{i + 1}").id]
-        assert bias[:2] == pytest.approx([peak[i], order])
+    bias = rough.mj.actuator_biasprm[axis_actuators(rough.mj)]
+    assert bias[:, :2] == pytest.approx(np.column_stack([peak, np.full(6, order)]))
 
 
 def test_ripple_does_not_move_a_robot_that_has_come_to_rest(design):
