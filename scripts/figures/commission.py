@@ -36,9 +36,9 @@ def friction(file: Path, found: CommissionedTwin, cuts: Sequence[MeasuredCut]) -
         f"Friction of {cut.name}: measured, and the twin's curve of steady sliding.\n"
         "Near zero speed the bristles give way first: points lie beside the curve."
     )
-    titles, labels = [f"axis {i}" for i in AXES], ("motor speed [rad/s]", "torque [N m]")
+    labels = "motor speed [rad/s]", "torque [N m]"
     look = {"edges": (0.08, 0.985, 0.11, 0.84), "gaps": (0.28, 0.42), "large": True}
-    with panels(file, (9.6, 5.4), 2, 3, titles=titles, labels=labels, **look) as grid:
+    with panels(file, (9.6, 5.4), 2, 3, labels=labels, **look) as grid:
         grid[0].figure.suptitle(title, x=0.02, ha="left", fontsize=10)
         for i, axes in enumerate(grid):
             x, y = speed[cut.moving, i], data[cut.moving, i]
@@ -47,7 +47,7 @@ def friction(file: Path, found: CommissionedTwin, cuts: Sequence[MeasuredCut]) -
             coulomb, static, stribeck = constants[2:, i]  # steady-state friction of LuGre
             steady = coulomb + (static - coulomb) * np.exp(-((x / stribeck) ** 2))
             axes.plot(x, np.sign(x) * steady, color=COLORS[1], lw=1.5, label="twin")
-            axes.title.set_color(INK)
+            axes.set_title(f"axis {AXES[i]}", color=INK)
         handles = grid[0].get_legend_handles_labels()
         grid[0].figure.legend(*handles, loc="upper right", ncols=2, markerscale=4)
 

@@ -20,7 +20,15 @@ UM = 1e6
 
 def results(done: GearAnalysis) -> dict[str, Any]:
     """Entries of summary.json. SI units."""
-    terms = [] if done.found is None else done.found.terms
+    terms, clocks = [] if done.found is None else done.found.terms, list[dict[str, Any]]()
+    for one in done.aligned:
+        clocks.append({"recording": one.name})
+        if (imu := one.imu) is not None:
+            clocks[-1] |= {"gyro_delay": imu.gyro_delay, "imu_rate": imu.rate}
+            clocks[-1] |= {"accelerometer_delay": imu.accelerometer_delay}
+        if (tracker := one.tracker) is not None:
+            clocks[-1] |= {"tracker_offset": tracker.offset, "tracker_rate": tracker.rate}
+            clocks[-1] |= {"nominal_rms": tracker.rms}
     return {
         "sensor": done.sensor,
         "orders": sorted({round(term.order, 2) for term in terms}),
@@ -39,7 +47,7 @@ def results(done: GearAnalysis) -> dict[str, Any]:
             }
             for one in done.judgements
         ],
-        "clocks": _clocks(done),
+        "clocks": clocks,
     }
 
 
@@ -81,20 +89,6 @@ def _joint(done: GearAnalysis, joint: int, seen: Coverage) -> dict[str, Any]:
     }
 
 
-def _clocks(done: GearAnalysis) -> list[dict[str, Any]]:
-    rows: list[dict[str, Any]] = []
-    for one in done.aligned:
-        row: dict[str, Any] = {"recording": one.name}
-        if one.imu is not None:
-            row |= {"gyro_delay": one.imu.gyro_delay, "imu_rate": one.imu.rate}
-            row |= {"accelerometer_delay": one.imu.accelerometer_delay}
-        if one.tracker is not None:
-            row |= {"tracker_offset": one.tracker.offset, "tracker_rate": one.tracker.rate}
-            row |= {"nominal_rms": one.tracker.rms}
-        rows.append(row)
-    return rows
-
-
 def tables(report: Report, outcome: dict[str, Any]) -> None:
     """Terms, and what they leave of the error, on the terminal."""
     rows = [
@@ -115,10 +109,17 @@ def tables(report: Report, outcome: dict[str, Any]) -> None:
         return
     head = ["joint", "order", "µrad", "±", "phase", "±", "tool [µm]"]
     report.table("Transmission error, 95 % intervals", head, rows)
+    judged = []
+    for one in outcome["judged"]:
+        cells = [one["recording"], one["sensor_ratio"], one["sham_sensor_ratio"], *[None] * 6]
+        if (tool := one["tool"]) is not None:
+            cells[3:8] = [tool["pooled"], one["sham_tool"]["pooled"], *map(float, tool["ratio"])]
+            cells[8] = None if one["smoothed"] is None else one["smoothed"]["pooled"]
+        judged.append([round(cell, 3) if isinstance(cell, float) else cell for cell in cells])
     report.table(
         f"Judged on what was not learned from: RMS with over without, {outcome['sensor']}, tool",
         ["recording", "sensor", "sham", "tool", "sham", "x", "y", "z", "+ IMU"],
-        [_judged_row(one) for one in outcome["judged"]],
+        judged,
     )
 
 
@@ -142,16 +143,6 @@ def bands_table(report: Report, done: GearAnalysis) -> None:
                 ["Hz", "encoders [µm]", "floor [µm]", "gears", "+ IMU", "less floor"],
                 rows,
             )
-
-
-def _judged_row(one: dict[str, Any]) -> list[Any]:
-    row = [one["recording"], one["sensor_ratio"], one["sham_sensor_ratio"]]
-    if one["tool"] is None:
-        return [*row, None, None, None, None, None, None]
-    axes = [float(ratio) for ratio in one["tool"]["ratio"]]
-    smoothed = None if one["smoothed"] is None else one["smoothed"]["pooled"]
-    cells = [*row, one["tool"]["pooled"], one["sham_tool"]["pooled"], *axes, smoothed]
-    return [round(cell, 3) if isinstance(cell, float) else cell for cell in cells]
 
 
 def write(folder: RunFolder, done: GearAnalysis, arm: Arm) -> None:

@@ -46,7 +46,19 @@ def results(
     given: dict[str, Any] = {
         "samples": len(made.u),
         "sample_time": made.sample_time,
-        "structures": [_row(one, made, fresh) for one in found],
+        "structures": [
+            {
+                "structure": one.structure.value,
+                "orders": one.orders,
+                "bic": one.fit.score(Information.BIC),
+                "fit": one.accuracy,
+                "white_p": one.fit.whiteness and float(one.fit.whiteness.p_value.min()),
+                "input_p": one.fit.independence,
+                "validation": fresh and fit_of(one.system, fresh.u, fresh.y),
+                "warnings": list(one.warnings),
+            }
+            for one in found
+        ],
         "coefficients": _coefficients(found[0].fit),
         "warnings": list(found[0].warnings),
     }
@@ -63,20 +75,6 @@ def results(
             f"learn and design take as many outputs as inputs, not {p} and {m}"
         )
     return given
-
-
-def _row(one: Candidate, made: InputOutput, fresh: InputOutput | None) -> dict[str, Any]:
-    tested = one.fit.whiteness
-    return {
-        "structure": one.structure.value,
-        "orders": one.orders,
-        "bic": one.fit.score(Information.BIC),
-        "fit": one.accuracy,
-        "white_p": None if tested is None else float(tested.p_value.min()),
-        "input_p": one.fit.independence,
-        "validation": None if fresh is None else fit_of(one.system, fresh.u, fresh.y),
-        "warnings": list(one.warnings),
-    }
 
 
 def _coefficients(fit: PolynomialFit | SubspaceFit) -> list[dict[str, Any]]:

@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import mujoco
 import numpy as np
 
 from armside import kinematics
@@ -13,6 +12,7 @@ from armside.sim.evaluation.check import Check, Table
 from armside.sim.imu import ImuExperiment
 from armside.sim.imu.phases import FAST_CIRCLE, RECTANGLE, SLOW_CIRCLE, WINDOW
 from armside.sim.robot.flexibility import Flexibility
+from armside.sim.robot.kinematics_check import site_poses
 
 from ..figures import imu as figures
 from ..jobs.store import Result
@@ -105,9 +105,7 @@ def mounting(folder: Path) -> Drawn:
     T_base_tool, T_base_imu = (
         kinematics.compile(robot).pose(zero)[0] for robot in (cell.robot, cell.with_imu)
     )
-    data = mujoco.MjData(mj := RIGID.model().mj)
-    mujoco.mj_kinematics(mj, data)
-    site = data.site("imu").xpos
+    site = site_poses(RIGID.model(), zero, "imu")[0][0, :3, 3]
     positions = {
         "from TCP0, by the links": 1e3 * (T_base_imu - T_base_tool)[:3, 3],
         "from the base, by the links": 1e3 * T_base_imu[:3, 3],
@@ -247,7 +245,11 @@ def error_along(folder: Path, result: Result) -> Drawn:
     late = result["time"] >= result["since"]
     shown = {name: PROCESSED[name] for name in ("default", "as in the thesis")}
     curves = {f"processed: {k}": result[f"{v}window_rms"][late] for k, v in shown.items()}
-    shaded = {name: _during(result, speed) for name, speed in PARTS.items()}
+    shaded: dict[str, tuple[float, float]] = {}
+    for name, speed in PARTS.items():  # [m/s], programmed along the path of a part
+        moves = result["move_speed"] == speed
+        start, end = result["move_start"][moves].min(), result["move_end"][moves].max()
+        shaded[name] = float(start), float(end)
     figures.acceleration_error(folder / "5.10.png", result["time"][late], curves, WINDOW, shaded)
     rows = [
         [name, what, *map(float, result[f"{prefix}acceleration_window_{key}"])]
@@ -265,9 +267,3 @@ def error_along(folder: Path, result: Result) -> Drawn:
         checks.windows(result),
         [table],
     )
-
-
-def _during(result: Result, speed: float) -> tuple[float, float]:
-    """From and to [s] of the moves programmed at a speed along their path [m/s]."""
-    moves = result["move_speed"] == speed
-    return float(result["move_start"][moves].min()), float(result["move_end"][moves].max())

@@ -1,6 +1,6 @@
 """Distributions of robot individuals, and draws from them. All widths are ESTIMATES."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -53,12 +53,6 @@ def check_applies(design: RobotModel, individual: Individual) -> None:
         if np.ndim(value := getattr(individual, name)) and np.size(value) != n:
             allowed = f"one factor or {n}, one for each hinge of the structure"
             raise ModelError(f"{name} must be {allowed}, got {np.size(value)}")
-
-
-def restricted(individual: Individual, design: RobotModel) -> Individual:
-    """The individual without parameters that the design lacks."""
-    nothing: dict[str, Any] = {name: getattr(_DESIGN, name) for name in inapplicable(design)}
-    return replace(individual, **nothing)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -208,17 +202,13 @@ def draw(rng: np.random.Generator, design: RobotModel, spread: Spread = Spread()
     if not Linkage(design.mj).is_open:
         # Its constraints know nothing of dampers: more damping makes a run in fifty unstable.
         drawn = replace(drawn, structure_damping=1.0)
-    hidden = rng.uniform() < spread.hidden
     links = _LINKS.get(model_name(design.mj), ())
-    return restricted(replace(drawn, hidden=_hinges(rng, links) if hidden else ()), design)
-
-
-def _hinges(rng: np.random.Generator, links: Sequence[_Link]) -> tuple[HiddenHinge, ...]:
-    if not links:
-        return ()
-    most = min(_MOST_HINGES, len(links))
-    chosen = rng.choice(len(links), size=rng.integers(1, most + 1), replace=False)
-    return tuple(_hinge(links[i], rng) for i in sorted(chosen))
+    if rng.uniform() < spread.hidden and links:
+        most = min(_MOST_HINGES, len(links))
+        chosen = rng.choice(len(links), size=rng.integers(1, most + 1), replace=False)
+        drawn = replace(drawn, hidden=tuple(_hinge(links[i], rng) for i in sorted(chosen)))
+    nothing: dict[str, Any] = {name: getattr(_DESIGN, name) for name in inapplicable(design)}
+    return replace(drawn, **nothing)
 
 
 def _hinge(link: _Link, rng: np.random.Generator) -> HiddenHinge:

@@ -59,6 +59,7 @@ def of_cylinder(mass: float, along: Array) -> Six:
     return six_of(across * np.eye(3) + (about - across) * np.outer(u, u))
 
 
+_IDENTITY = np.eye(4)
 _CYLINDER = f"ESTIMATE: uniform cylinder of {DENSITY:g} kg/m^3 to the next joint"
 
 
@@ -94,17 +95,20 @@ def masses(given: Hardware, chain: list[Frame], report: Report) -> Masses:
     lengths = np.cumsum(np.linalg.norm(along, axis=1)[::-1])[::-1]
     bodies = given.bodies or (LinkBody(),) * len(chain)
     of_links, of_base = _shares(given, bodies, lengths, report)
+    rule, rows = "ESTIMATE: midway, joint axes", zip(bodies, of_links, chain, strict=True)
     links = tuple(
-        _link(i, body, mass, frame, report)
-        for i, (body, mass, frame) in enumerate(zip(bodies, of_links, chain, strict=True), 1)
+        _mass(f"body {i}", body, mass, frame.along, rule, report, frame.link)
+        for i, (body, mass, frame) in enumerate(rows, 1)
     )
-    whole = of_base + float(of_links.sum())
     column = np.array([0.0, 0.0, points(chain)[1 if len(chain) > 1 else 0][2]])
-    own = given.base
-    centre = column / 2.0 if own.centre is None else np.array(own.centre)
-    inertia = own.inertia or _estimated("base: inertia", of_base, column, report)
-    base = Mass(of_base, centre, inertia, _source(own))
-    return Masses(base, links, _tool(given.tool, whole, report), float(lengths[0]))
+    base = _mass("base", given.base, of_base, column, "", report)
+    if (of_tool := given.tool.mass) is None:
+        rule, whole = f"ESTIMATE: {100 * TOOL:g} % of the robot", of_base + float(of_links.sum())
+        of_tool = float(report.take("tool: mass", [TOOL * whole], rule)[0])
+    along = np.array([0.0, 0.0, (of_tool / DENSITY) ** (1.0 / 3.0)])
+    rule = "ESTIMATE: a block on the flange"
+    tool = _mass("tool", given.tool, of_tool, along, rule, report)
+    return Masses(base, links, tool, float(lengths[0]))
 
 
 def _shares(
@@ -142,42 +146,29 @@ def _shares(
 _TOO_LIGHT = "hardware: mass must exceed that of base and links, got {:g} kg and {:g} kg"
 
 
-def _link(number: int, body: LinkBody, mass: float, frame: Frame, report: Report) -> Mass:
-    R, origin = frame.link[:3, :3], frame.link[:3, 3]
-    name = f"body {number}"
-    if body.centre is None:
-        centre = report.take(f"{name}: centre", frame.along / 2.0, "ESTIMATE: midway, joint axes")
+def _mass(
+    name: str,
+    body: LinkBody,
+    mass: float,
+    along: Array,
+    rule: str,
+    report: Report,
+    frame: Array = _IDENTITY,
+) -> Mass:
+    """A body on a line, at whose middle its centre is taken. frame: (4, 4), of what is given."""
+    R, parts = frame[:3, :3], ("mass", "centre", "inertia")
+    estimated = [part for part in parts if getattr(body, part) is None]
+    if body.centre is not None:
+        centre = frame[:3, 3] + R @ np.array(body.centre)
     else:
-        centre = origin + R @ np.array(body.centre)
-    if body.inertia is None:
-        inertia = _estimated(f"{name}: inertia", mass, frame.along, report)
-    else:
+        centre = report.take(f"{name}: centre", along / 2.0, rule) if rule else along / 2.0
+    if body.inertia is not None:
         inertia = rotated(body.inertia, R)
-    return Mass(mass, centre, inertia, _source(body))
-
-
-def _tool(body: LinkBody, whole: float, report: Report) -> Mass:
-    mass = body.mass
-    if mass is None:
-        rule = f"ESTIMATE: {100 * TOOL:g} % of the robot"
-        mass = float(report.take("tool: mass", [TOOL * whole], rule)[0])
-    along = np.array([0.0, 0.0, (mass / DENSITY) ** (1.0 / 3.0)])
-    if body.centre is None:
-        centre = report.take("tool: centre", along / 2.0, "ESTIMATE: a block on the flange")
     else:
-        centre = np.array(body.centre)
-    inertia = body.inertia or _estimated("tool: inertia", mass, along, report)
-    return Mass(mass, centre, inertia, _source(body))
-
-
-def _estimated(name: str, mass: float, along: Array, report: Report) -> Six:
-    values = report.take(name, of_cylinder(mass, along), _CYLINDER)
-    return tuple(values.tolist())  # pyright: ignore[reportReturnType] - six of them
-
-
-def _source(body: LinkBody) -> str:
-    estimated = [name for name in ("mass", "centre", "inertia") if getattr(body, name) is None]
-    return f"ESTIMATE: {', '.join(estimated)}" if estimated else "of the robot file"
+        taken = report.take(f"{name}: inertia", of_cylinder(mass, along), _CYLINDER).tolist()
+        inertia = tuple(taken)
+    source = f"ESTIMATE: {', '.join(estimated)}" if estimated else "of the robot file"
+    return Mass(mass, centre, inertia, source)  # pyright: ignore[reportArgumentType] - six of them
 
 
 def bodies_of(arm: UrdfArm) -> tuple[LinkBody, ...]:

@@ -86,8 +86,11 @@ def full_mjcf(name: str, comment: str, tree: Tree, given: Hardware, drives: Driv
         SubElement(custom, "numeric", name=key, data=row(data))
     _add_defaults(root)
     _add_bodies(root, tree)
-    if "lost_motion" in given.effects:
-        _add_tendons(root, n)
+    if "lost_motion" in given.effects:  # stiff parts of gears, over the springs of their joints
+        tendons = SubElement(root, "tendon")
+        for i in range(1, n + 1):
+            of_gear = {"name": f"gear_{i}", "class": "robot", "springlength": "0 0"}
+            SubElement(SubElement(tendons, "fixed", of_gear), "joint", joint=f"flex_{i}", coef="1")
     _add_actuators(root, drives, n)
     _add_sensors(root, n)
     SubElement(SubElement(root, "keyframe"), "key", name="zero")
@@ -225,7 +228,7 @@ def _add_hinge(body: Element, hinge: StructureHinge, spring: Spring, T: Array) -
 
 
 def _spring(spring: Spring) -> dict[str, str]:
-    return {"stiffness": number(spring.stiffness), "damping": number(spring.damping)}
+    return {name: number(value) for name, value in spring._asdict().items()}
 
 
 def _add_base_shape(body: Element, tree: Tree) -> None:
@@ -254,15 +257,6 @@ def _add_tool_shape(tool: Element, mass: Mass) -> None:
     if size >= 1e-3:
         shape |= {"type": "cylinder", "fromto": f"0 0 0 {row(np.round(2.0 * mass.centre, 6))}"}
     SubElement(tool, "geom", shape, material="tool")
-
-
-def _add_tendons(root: Element, n: int) -> None:
-    """Stiff parts of gears with lost motion, over the springs of their joints."""
-    tendons = SubElement(root, "tendon")
-    for i in range(1, n + 1):
-        of_gear = {"name": f"gear_{i}", "class": "robot", "springlength": "0 0"}
-        fixed = SubElement(tendons, "fixed", of_gear)
-        SubElement(fixed, "joint", joint=f"flex_{i}", coef="1")
 
 
 def _add_actuators(root: Element, drives: Drives, n: int) -> None:

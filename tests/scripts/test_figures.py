@@ -1,12 +1,12 @@
 """Figures are functions of arrays: what they are given is what they draw."""
 
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from armside.ilc.workbench.compare import LawRun
 from armside.ilc.workbench.predicted import Prediction
 from armside.scripts.figures import canvas, convergence
 from armside.scripts.figures import imu as imu_figures
@@ -84,20 +84,9 @@ def test_errors_of_a_run_that_diverged_can_be_drawn(tmp_path):
     assert (tmp_path / "e.png").exists()
 
 
-@pytest.mark.parametrize(
-    ("at_most", "factor"),
-    [
-        (0.3, 1),
-        (1.9, 1),
-        (2.0, 2),
-        (9.99, 5),
-        (12.5, 10),
-        (6000, 5000),
-        (999.9999999999999, 1000),
-    ],  # whose logarithm is rounded up
-)
-def test_the_magnification_is_a_round_number(at_most, factor):
-    assert canvas.magnification(at_most) == factor
+def test_the_magnification_is_a_round_number():
+    at_most = 0.3, 1.9, 2.0, 9.99, 12.5, 6000, 999.9999999999999  # its logarithm is rounded up
+    assert [*map(canvas.magnification, at_most)] == [1, 1, 2, 5, 10, 5000, 1000]
 
 
 def test_the_nearest_point_of_a_closed_square_is_on_its_nearest_side():
@@ -125,22 +114,8 @@ def test_errors_draw_six_motors_and_the_arm(tmp_path, n):
 
 def test_every_law_and_its_prediction_can_be_told_from_the_others(tmp_path, drawn):
     expected = Prediction(errors=np.ones(3), contraction=None, spectral_radius=None)
-    runs = [
-        LawRun(
-            law=f"law {i}",
-            noise=0.0,
-            repetition=0,
-            first_k=0,
-            norms=np.ones(3),
-            largest=np.ones(3),
-            measures=[],
-            correction=np.zeros((2, 1)),
-            diverged=False,
-            state=None,
-            prediction=expected,
-        )
-        for i in range(20)
-    ]
+    shown = {"noise": 0.0, "first_k": 0, "norms": np.ones(3), "prediction": expected}
+    runs = [SimpleNamespace(law=f"law {i}", state=None, **shown) for i in range(20)]
     convergence.draw_convergence(tmp_path / "c.png", "laws", runs)
     lines = [line for line in drawn[0].axes[0].lines if len(line.get_xdata())]
     kinds = {(line.get_color(), line.get_marker(), line.get_linestyle()) for line in lines}

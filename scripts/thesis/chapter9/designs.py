@@ -33,10 +33,8 @@ def per_motor(seed: int) -> Part:
         results = {v: read(data["p1", v]) for v in SPEEDS}
         models = [identify(results, (motor,)) for motor in range(6)]
         designs = [design_for(m.system, CUTOFFS, fit=m.fit) for m in models]
-        gamma, delta, cutoff = zip(
-            *((round(d.gamma, 3), d.delta, d.cutoff) for d in designs), strict=True
-        )
-        tuned: dict[str, Any] = {"gamma": gamma, "delta": delta, "cutoff": cutoff}
+        tuned: dict[str, Any] = {"gamma": tuple(round(d.gamma, 3) for d in designs)}
+        tuned |= {name: tuple(getattr(d, name) for d in designs) for name in ("delta", "cutoff")}
         return models, designs, {p: learning_job(seed, pose=p, **tuned) for p in POSES}
 
     def draw(read: Read, folder: Path) -> Section:
@@ -54,10 +52,8 @@ def per_motor(seed: int) -> Part:
         ]
         rows = [[pose, *_row(own[pose], shared[pose], AT)] for pose in POSES]
         columns = ["", "γ", "δ", "cutoff [Hz]", "fit of the model", "contraction"]
-        title, both = (
-            "Per-motor design over shared design at k = 5",
-            ["", *figures.MOTORS, "arm RMS"],
-        )
+        title = "Per-motor design over shared design at k = 5"
+        both = ["", *figures.MOTORS, "arm RMS"]
         says, smaller = "larger reduction possible", (every < 1.0).sum()
         what = "motor errors at k = 5, per-motor over shared design"
         return Section(
@@ -86,16 +82,14 @@ def friction_feedforward(seed: int) -> Part:
 
     def draw(read: Read, folder: Path) -> Section:
         without, with_it = ({p: read(j) for p, j in jobs.items()} for jobs in (plain, helped))
-        cases = {f"{pose}, ILC alone": without[pose] for pose in POSES} | {
-            f"{pose}, with feedforward": with_it[pose] for pose in POSES
-        }
+        cases = {f"{pose}, ILC alone": without[pose] for pose in POSES}
+        cases |= {f"{pose}, with feedforward": with_it[pose] for pose in POSES}
         tool = {name: 1e6 * run["arm_rms"] for name, run in cases.items()}
         motors = {name: 1e3 * run["motor_inf"].mean(axis=1) for name, run in cases.items()}
         content = {"Tool, RMS [µm]": tool, "Motors, mean of six, ∞-norm [motor mrad]": motors}
         title = "Learning with and without friction feedforward"
-        look: dict[str, Any] = {"columns": 2, "wide": True, "log": True, "share_y": False}
-        look["paired"] = True
-        figures.panels(folder / "F09.png", title, content, **look)
+        look: dict[str, Any] = {"columns": 2, "wide": True, "log": True, "paired": True}
+        figures.panels(folder / "F09.png", title, content, share_y=False, **look)
         first, last = (float(np.median(_ratios(with_it, without, k))) for k in (0, AT))
         what = "motor errors {}, with over without: median of 18"
         rows = [[p, k, *_row(with_it[p], without[p], k)] for p in POSES for k in (0, AT)]

@@ -39,7 +39,15 @@ def identified_model(seed: int) -> Part:
         model = identify(data["p1"])
         at_40 = {pose: data[pose][40.0] for pose in POSES}
         _criterion_figure(folder / "9.8.png", model)
-        _response_figure(folder / "9.8-model.png", data, model.system)
+        cases = {}
+        for pose, word in zip(POSES, ("estimation", "validation"), strict=True):
+            for motor in MOST_MOVED:
+                u, y = bands.learning_signals(data[pose], (motor,))
+                fit = fit_of(model.system, u, y)
+                simulated = 1e3 * model.system.simulate(u)[:, 0]
+                name = f"motor {motor + 1}, {pose}, {word}: fit {fit:.3f}"
+                cases[name] = 1e3 * y[:, 0], simulated
+        figures.simulated(folder / "9.8-model.png", SAMPLE_TIME, cases)
         return Section(
             "9.8",
             "(9.11)-(9.13), Fig. 9.8: the identified response and the convergence criterion",
@@ -77,16 +85,6 @@ def _criterion_figure(file: Path, model: FirstOrderModel) -> None:
         "model of our robot, motors 4 and 6 at p1": learning(model.system),
     }
     figures.criterion(file, hertz(omega, SAMPLE_TIME), models, bounds)
-
-
-def _response_figure(file: Path, data: Data, model: System) -> None:
-    cases = {}
-    for pose, word in zip(POSES, ("estimation", "validation"), strict=True):
-        for motor in MOST_MOVED:
-            u, y = bands.learning_signals(data[pose], (motor,))
-            name = f"motor {motor + 1}, {pose}, {word}: fit {fit_of(model, u, y):.3f}"
-            cases[name] = (1e3 * y[:, 0], 1e3 * model.simulate(u)[:, 0])
-    figures.simulated(file, SAMPLE_TIME, cases)
 
 
 def _tables(data: Data) -> list[Table]:

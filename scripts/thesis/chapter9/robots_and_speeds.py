@@ -43,12 +43,9 @@ PHENOMENA = {
 def phenomena(results: Mapping[str, Result]) -> list[Check]:
     """The checks of `PHENOMENA` for the experiments of `CUTS`."""
     delta_6 = {pose: results[f"{pose}, delta 6"] for pose in ("p1", "p2")}
-    checks = [
-        *bands.motor_side(results),
-        *bands.arm_side(results),
-        *bands.cutoff_arm(results["p1"], results["p1, 15 Hz"]),
-        *bands.shift_arm(results, delta_6),
-    ]
+    cutoff = bands.cutoff_arm(results["p1"], results["p1, 15 Hz"])
+    sides = [*bands.motor_side(results), *bands.arm_side(results)]
+    checks = [*sides, *cutoff, *bands.shift_arm(results, delta_6)]
     return [check for check in checks if check.id in PHENOMENA]
 
 
@@ -70,7 +67,6 @@ def individuals(seed: int) -> Part:
 
     def draw(read: Read, folder: Path) -> Section:
         results = {key: read(job) for key, job in jobs.items()}
-
         content = {
             f"{pose}: {what}, k = 5 over k = 0": np.array(
                 [over_first(results[pose, i], name).max() for i in robots]
@@ -86,6 +82,7 @@ def individuals(seed: int) -> Part:
         figures.distributions(folder / "F07.png", title, content, bands)
         diverged = sum(bool(result["diverged"]) for result in results.values())
         improved, ordered = (p1 <= 0.5).mean(), ((p1 < p2) & (p2 < p3)).mean()
+        helpless = (p3 >= LITTLE).sum()
         half = "fraction of individuals whose tool improves to half or less at p1"
         order = "fraction of individuals with p1 better than p2 and p2 than p3"
         all_of = "experiments that diverge, of all individuals and positions"
@@ -103,9 +100,7 @@ def individuals(seed: int) -> Part:
                 Check("F07a", all_of, "", diverged, high=0.0),
                 Check("F07b", half, "improves at p1", improved, low=0.5),
                 Check("F07c", order, "p1 best, p3 worst", ordered, low=0.9),
-                Check(
-                    "F07d", little, BANDS["b5"].stated, (p3 >= LITTLE).sum(), low=N_INDIVIDUALS / 2
-                ),
+                Check("F07d", little, BANDS["b5"].stated, helpless, low=N_INDIVIDUALS / 2),
             ],
             [Table("Distribution", ["", *(f"{p} %" for p in percent)], rows)],
         )

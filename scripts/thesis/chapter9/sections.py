@@ -287,15 +287,8 @@ def _circles(file: Path, result: Result, shown: Sequence[int], title: str) -> No
     programmed = RADIUS * np.column_stack([np.cos(angle), np.sin(angle)])
     paths = [result["path"][k].astype(np.float64) for k in shown]
     rms, maxdev = ([float(result[name][k]) for k in shown] for name in ("arm_rms", "arm_maxdev"))
-    circle_figure(
-        file,
-        programmed,
-        paths,
-        rms=rms,
-        maxdev=maxdev,
-        title=title,
-        names=[f"k = {k}" for k in shown],
-    )
+    names = [f"k = {k}" for k in shown]
+    circle_figure(file, programmed, paths, rms=rms, maxdev=maxdev, title=title, names=names)
 
 
 _add("F08", per_motor)

@@ -9,6 +9,7 @@ import pytest
 from armside import assets
 from armside.sim.robot.drives import friction_torque
 from armside.sim.robot.effects import Effect, FrictionFactors, load_friction, with_effects
+from armside.sim.robot.mjcf import axis_actuators
 from armside.sim.robot.model import load_model
 from armside.sim.robot.statics import Statics
 
@@ -50,12 +51,10 @@ def test_a_drive_under_load_has_the_friction_of_its_robot(design, temperature):
         coulomb = 0.0311 * factors.constant + 0.0234 * load * factors.load
         excess = numeric("load_friction_static").data[0] * stribeck * factors.static_excess
         scale = numeric("load_friction_scale").data * drives.torque_limit
-        for i in range(6):
-            axis = model.mj.actuator(f"axis_{i + 1}").id
-            expected = [scale[i] * coulomb[i], scale[i] * (coulomb[i] + excess[i]), speed]
-            assert model.mj.actuator_biasprm[axis, 3:6] == pytest.approx(expected)
-            torque = drives.torque_limit[i]
-            assert model.mj.actuator_damping[axis] == pytest.approx(viscous * torque)
+        axes, speeds = axis_actuators(model.mj), np.full(6, speed)
+        expected = np.column_stack([scale * coulomb, scale * (coulomb + excess), speeds])
+        assert model.mj.actuator_biasprm[axes, 3:6] == pytest.approx(expected)
+        assert model.mj.actuator_damping[axes] == pytest.approx(viscous * drives.torque_limit)
 
 
 @pytest.mark.parametrize(
@@ -69,7 +68,7 @@ def test_a_drive_at_constant_speed_feels_its_friction_curve(name, effects):
     """
     model = with_effects(load_model(XML[name]), effects, phi=POSE)
     mj, gear = model.mj, model.drives.gear
-    axes = [mj.actuator(f"axis_{i}").id for i in range(1, 7)]
+    axes = axis_actuators(mj)
     sensors = [mj.sensor(f"axis_{i}_torque").adr[0] for i in range(1, 7)]
     coulomb, static, stribeck = mj.actuator_biasprm[axes, 3:6].T
     for speed in (1.0, -4.0, 12.0, 40.0):  # motor side, below and above the Stribeck speed

@@ -13,6 +13,7 @@ from scipy.signal import lfilter
 from armside import assets
 from armside.sim.robot.drives import friction_torque
 from armside.sim.robot.effects import Effect, with_effects
+from armside.sim.robot.mjcf import axis_actuators
 from armside.sim.robot.model import load_model
 from armside.sim.robot.run import WATCHED
 from armside.sim.robot.servo import correction_path, interpolate
@@ -191,14 +192,11 @@ def test_the_reported_torque_is_that_of_the_physics_integral_included():
 
 def test_the_controllers_gains_are_those_of_the_physics(loaded):
     mj, drives = loaded.model.mj, loaded.model.drives
-    for i in range(6):
-        axis = mj.actuator(f"axis_{i + 1}").id
-        assert mj.actuator_gainprm[axis, 4:7] == pytest.approx(
-            [drives.kp[i], drives.ki[i], drives.kd[i]]
-        )
-        assert mj.actuator_forcerange[axis] == pytest.approx(
-            [-drives.torque_limit[i], drives.torque_limit[i]]
-        )
+    axes = axis_actuators(mj)
+    gains = np.column_stack([drives.kp, drives.ki, drives.kd])
+    assert mj.actuator_gainprm[axes, 4:7] == pytest.approx(gains)
+    limits = np.column_stack([-drives.torque_limit, drives.torque_limit])
+    assert mj.actuator_forcerange[axes] == pytest.approx(limits)
 
 
 # Limits
@@ -219,10 +217,8 @@ def with_limits(loaded, factor, axes=slice(None)):
     out = (factor - 1.0) * (high - low)
     torques, speeds = drives.torque_limit.copy(), drives.speed_limit.copy()
     ranges = model.joint_range.copy()
-    torques[axes], speeds[axes] = (
-        factor * torque.max(axis=0)[axes],
-        factor * speed.max(axis=0)[axes],
-    )
+    torques[axes] = factor * torque.max(axis=0)[axes]
+    speeds[axes] = factor * speed.max(axis=0)[axes]
     ranges[axes] = np.column_stack((low - out, high + out))[axes]
     moved = replace(drives, torque_limit=torques, speed_limit=speeds)
     return replace(loaded, model=replace(model, drives=moved, joint_range=ranges))
@@ -250,15 +246,15 @@ def test_the_instant_of_a_limit_is_the_first_beyond_it(loaded):
 
 
 @pytest.mark.parametrize("axis", [1, 2, 4])
-def test_a_load_is_refused_exactly_where_a_drive_cannot_hold_it(axis):
-    model = load_model(assets.LARGE_ROBOT_XML)
+def test_a_load_is_refused_exactly_where_a_drive_cannot_hold_it(design, axis):
+    model = design
     hold = np.abs(Statics(model).equilibrium(START).holding_torque) / model.drives.gear
     still = np.tile(START, (10, 1))
-    for factor, refused in ((1.01, False), (0.99, True)):
+
+    def load(factor):
         limit = np.where(np.arange(6) == axis, factor * hold[axis], model.drives.torque_limit)
-        weak = replace(model, drives=replace(model.drives, torque_limit=limit))
-        if refused:
-            with pytest.raises(ValueError, match=f"at rest axis {axis + 1} would have to hold"):
-                VirtualRobot(weak).load(still)
-        else:
-            VirtualRobot(weak).load(still)
+        VirtualRobot(replace(model, drives=replace(model.drives, torque_limit=limit))).load(still)
+
+    load(1.01)
+    with pytest.raises(ValueError, match=f"at rest axis {axis + 1} would have to hold"):
+        load(0.99)

@@ -138,11 +138,8 @@ def test_a_closed_chain_with_a_longer_rod_is_refused():
     ("cell", "flexibility"),
     [(LARGE, Flexibility.GEARS), *((IRB1400, each) for each in Flexibility)],
 )
-def test_springs_and_hinges_of_the_structure_do_not_disturb_it(cell, flexibility):
+def test_springs_hinges_of_the_structure_and_payload_do_not_disturb_it(cell, flexibility):
     check(load_model(variant(cell.xml, flexibility, gear_stiffness=0.2)), cell)
-
-
-def test_a_payload_does_not_disturb_it():
     check(with_payload(load_model(LARGE.xml), 80.0))
 
 

@@ -11,6 +11,7 @@ from armside import assets
 from armside.kinematics import InertialModel, compile_dynamics
 from armside.kinematics.rigid import link_frames
 from armside.sim.robot.kinematics_check import cell_model
+from armside.sim.robot.mjcf import mass_matrix
 from armside.sim.robot.model import RobotModel, robot_model
 from armside.sim.robot_file.find import find_cell, load_robot
 from armside.sim.robot_file.mjcf_reader import read_mjcf, serial_bodies
@@ -122,12 +123,8 @@ TWO_LINK = str(Path(assets.LARGE_ROBOT_XML).with_name("two_link.toml"))
 
 def without_rotors(model: RobotModel, phi: np.ndarray) -> np.ndarray:
     """Mass matrix of the motor angles with springs at rest, less the rotors'."""
-    mj, data = model.mj, mujoco.MjData(model.mj)
-    data.qpos[:] = model.posture @ phi
-    mujoco.mj_forward(mj, data)
-    D = np.zeros((mj.nv, mj.nv))
-    mujoco.mj_fullM(mj, data, D)
-    return model.posture.T @ (D - np.diag(mj.dof_armature)) @ model.posture
+    D = mass_matrix(model.mj, model.posture @ phi)
+    return model.posture.T @ (D - np.diag(model.mj.dof_armature)) @ model.posture
 
 
 @pytest.mark.parametrize("name", ["large", TWO_LINK], ids=["large", "two-link"])

@@ -113,14 +113,11 @@ def test_an_mjcf_of_other_names_is_read_from_the_zero_of_its_joints(tmp_path):
     assert cell.limits.lower[0] == -1.0
 
 
-def test_a_tip_that_is_not_in_the_file_is_refused(tmp_path):
+def test_a_tip_that_is_not_in_the_file_and_a_file_of_another_kind_are_refused(tmp_path):
     file = tmp_path / "loose.xml"
     file.write_text(LOOSE, encoding="utf-8")
     with pytest.raises(ValueError, match=r"^loose\.xml: .*link 'e' is not in the file"):
         read_source(file, "e")
-
-
-def test_a_file_of_another_kind_is_refused():
     with pytest.raises(ValueError, match="source must be a"):
         read_source(Path("robot.step"))
 
@@ -146,8 +143,5 @@ def test_programs_and_the_imu_go_with_a_built_robot(tmp_path):
 
 
 def test_fractions_of_pi_are_written_as_text():
-    assert number(-np.pi / 2) == "-pi/2"
-    assert number(3 * np.pi / 4) == "3*pi/4"
-    assert number(np.pi) == "pi"
-    assert number(0.5) == 0.5
-    assert str(number(-0.0)) == "0"
+    given = -np.pi / 2, 3 * np.pi / 4, np.pi, 0.5, -0.0
+    assert [str(number(value)) for value in given] == ["-pi/2", "3*pi/4", "pi", "0.5", "0"]
