@@ -121,9 +121,10 @@ class ExtendedArm:
     def _step(self, x: Array, u: Array, slope: Array) -> tuple[Array, Array]:
         """Exact for the linearisation at x, with inputs that change linearly."""
         rate, _, local = self._motion(x, u)
-        n, arm = len(x), local.arm
+        n, m, arm = len(x), local.n_mechanical, local.arm
         springs = np.hstack((np.diag(arm.stiffness), np.diag(arm.damping)))
-        pulled = local.E[:, arm.axes] @ (springs @ slope)
+        pulled = local.A[:, m:-6] @ (springs @ slope)  # as tau_d does, but for its own decay
+        pulled[m:] = 0.0
         # dx' = A dx + rate + (B slope) t as one linear system with the states 1 and t.
         block = np.zeros((n + 2, n + 2))
         block[:n, :n], block[:n, n], block[:n, n + 1] = local.A, rate, pulled
