@@ -51,11 +51,6 @@ class ArmFilter:
         return self.arm.n_free
 
     @property
-    def n_mechanical(self) -> int:
-        """States of arm and sensor low-passes: those without noise models."""
-        return 2 * self.n_free + 12
-
-    @property
     def tool(self) -> Array:
         """(6, m), displacement and rotation of the tool for the state."""
         T = np.zeros((6, len(self.A)))
