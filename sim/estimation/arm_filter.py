@@ -43,19 +43,12 @@ class ArmFilter:
     """(m, m)."""
     intensity: Array
     """(m, m), of the white noise that drives it."""
-    E: Array
-    """(m, n + 6), from torque on the arm [N m] and from what the IMU reads beyond the state."""
     C: Array
     """(6, m): accelerometer and gyro."""
 
     @property
     def n_free(self) -> int:
         return self.arm.n_free
-
-    @property
-    def n_mechanical(self) -> int:
-        """States of arm and sensor low-passes: those without noise models."""
-        return 2 * self.n_free + 12
 
     @property
     def tool(self) -> Array:
@@ -85,29 +78,23 @@ def arm_filter(arm: LinearisedArm, imu: ImuCfg, fraction: float = FRACTION) -> A
     m = 2 * n + 12
     bias = m + len(arm.axes)
     size = bias + 6
-    A, E, W = np.zeros((size, size)), np.zeros((size, n + 6)), np.zeros((size, size))
+    A, W = np.zeros((2, size, size))
     A[: 2 * n, : 2 * n], _ = arm.dynamics()
-    E[n : 2 * n, :n] = np.linalg.inv(arm.mass)
-    A[n : 2 * n, m:bias] = E[n : 2 * n, arm.axes]
+    A[n : 2 * n, m:bias] = np.linalg.inv(arm.mass)[:, arm.axes]
     A[m:bias, m:bias] = -2.0 * np.pi * CORNER * np.eye(len(arm.axes))
 
     # Accelerometer: J q'' + (rotated gravity) q; gyro: J q'.
     from_state = arm.imu_jacobian[:3] @ A[n : 2 * n]
     from_state[:, :n] += arm.imu_gravity
-    from_torque = arm.imu_jacobian[:3] @ E[n : 2 * n, :n]
     turning = np.zeros((3, size))
     turning[:, n : 2 * n] = arm.imu_jacobian[3:]
-    for k, (triad, ideal, direct) in enumerate(
-        ((imu.accelerometer, from_state, from_torque), (imu.gyroscope, turning, np.zeros((3, n))))
-    ):
+    for k, (triad, ideal) in enumerate(((imu.accelerometer, from_state), (imu.gyroscope, turning))):
         low, rate = np.split(np.arange(2 * n + 6 * k, 2 * n + 6 * k + 6), 2)
         omega = 2.0 * np.pi * triad.bandwidth
         A[low, rate] = 1.0
         A[rate] = omega**2 * ideal
         A[rate, low] -= omega**2
         A[rate, rate] -= 2.0 * _BUTTERWORTH_DAMPING * omega
-        E[rate, :n] = omega**2 * direct
-        E[rate, n + 3 * k + np.arange(3)] = omega**2
         # A one-sided density d^2 is a two-sided intensity d^2 / 2.
         W[rate, rate] = omega**4 * triad.noise_density**2 / 2.0
 
@@ -118,4 +105,4 @@ def arm_filter(arm: LinearisedArm, imu: ImuCfg, fraction: float = FRACTION) -> A
     C = np.zeros((6, size))
     C[range(6), 2 * n + np.array([0, 1, 2, 6, 7, 8])] = 1.0
     C[range(6), range(bias, size)] = 1.0
-    return ArmFilter(arm=arm, imu=imu, torque=torque, A=A, intensity=W, E=E, C=C)
+    return ArmFilter(arm=arm, imu=imu, torque=torque, A=A, intensity=W, C=C)

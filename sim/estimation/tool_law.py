@@ -13,7 +13,7 @@ from armside.ilc.laws.norm_optimal import RecordOptimal
 from armside.ilc.laws.wrappers import Guarded, JointSpace
 
 from ..robot.virtual_robot import LOG_PERIOD
-from .arm_plant import ArmPlant, PathPlants
+from .arm_plant import PathPlants
 
 CUTOFF = 13.0
 """Least cutoff of Q [Hz] where none is given: corners need it, and models of springs in series hold
@@ -49,31 +49,35 @@ class ToolLaw:
     """Reduce the gain when errors no longer fall."""
 
     def along(self, plants: PathPlants, turn_rate: float, *, rotations: bool = True) -> Law:
-        """The law along a path, as `law`: the inverse fades from place to place, the other kinds
-        are built on the plant in the middle."""
-        mode = plants.lowest_mode
-        if self.kind is not ToolLawKind.INVERSE:
-            return self.law(plants.middle, turn_rate, rotations=rotations, lowest_mode=mode)
-        cutoff = self._cutoff(turn_rate, mode)
-        inverses = [self._inverse(plant, cutoff, rotations) for plant in plants.plants]
-        chosen = ScheduledInverse(laws=tuple(inverses), weights=plants.weights)
-        return self._guarded(chosen, rotations)
+        """The law on the arm along a path. Raises ValueError for design variables out of range.
 
-    def law(
-        self, plant: ArmPlant, turn_rate: float, *, rotations: bool = True, lowest_mode: float = 0.0
-    ) -> Law:
-        """The law on one plant's model. Raises ValueError for design variables out of range.
+        The inverse fades from place to place, other kinds are built on the plant in the middle.
 
         Args:
             turn_rate: of the programmed contour [turns/s].
             rotations: errors have orientations, not positions alone.
-            lowest_mode: of the plant's arm [Hz], if its springs were identified.
         """
-        weight, cutoff = _weight(rotations), self._cutoff(turn_rate, lowest_mode)
+        band = pass_band(turn_rate, plants.lowest_mode)
+        cutoff = band if self.cutoff is None else self.cutoff
+        rotation = ROTATION_WEIGHT if rotations else 0.0
+        weight = (1.0, 1.0, 1.0, rotation, rotation, rotation)
         low_pass = ZeroPhaseButterworth(cutoff, LOG_PERIOD)
+        plant = plants.middle
         chosen: FirstOrderLaw
         if self.kind is ToolLawKind.INVERSE:
-            chosen = self._inverse(plant, cutoff, rotations)
+            inverses = [
+                RegularisedInverse(
+                    G=each,
+                    sample_time=LOG_PERIOD,
+                    cutoff=cutoff,
+                    gamma=self.gamma,
+                    output_weight=weight,
+                    input_size=tuple(each.input_size.tolist()),
+                    limit=LIMIT,
+                )
+                for each in plants.plants
+            ]
+            chosen = ScheduledInverse(laws=tuple(inverses), weights=plants.weights)
         elif self.kind is ToolLawKind.NORM_OPTIMAL:
             size = tuple(plant.input_size.tolist())
             chosen = RecordOptimal(G=plant, F=low_pass, output_weight=weight, input_size=size)
@@ -82,29 +86,7 @@ class ToolLaw:
             inverse = np.asarray(np.linalg.pinv(J), dtype=np.float64)
             heuristic = Heuristic(Q=low_pass, gamma=self.gamma, delta=self.delta)
             chosen = JointSpace(law=heuristic, inverse=inverse)
-        return self._guarded(chosen, rotations)
-
-    def _inverse(self, plant: ArmPlant, cutoff: float, rotations: bool) -> RegularisedInverse:
-        return RegularisedInverse(
-            G=plant,
-            sample_time=LOG_PERIOD,
-            cutoff=cutoff,
-            gamma=self.gamma,
-            output_weight=_weight(rotations),
-            input_size=tuple(plant.input_size.tolist()),
-            limit=LIMIT,
-        )
-
-    def _cutoff(self, turn_rate: float, lowest_mode: float) -> float:
-        return pass_band(turn_rate, lowest_mode) if self.cutoff is None else self.cutoff
-
-    def _guarded(self, law: FirstOrderLaw, rotations: bool) -> Law:
-        return Guarded(law=law, weight=_weight(rotations)) if self.guarded else law
-
-
-def _weight(rotations: bool) -> tuple[float, ...]:
-    rotation = ROTATION_WEIGHT if rotations else 0.0
-    return (1.0, 1.0, 1.0, rotation, rotation, rotation)
+        return Guarded(law=chosen, weight=weight) if self.guarded else chosen
 
 
 def pass_band(turn_rate: float, lowest_mode: float = 0.0) -> float:

@@ -19,7 +19,7 @@ from armside.arrays import Array
 from ..recordings.alignment.encoder_motion import RATE, bandpass
 from ..recordings.alignment.imu_alignment import GRAVITY
 from .aligned import EDGE, Aligned
-from .residual_spectra import Observation, smoothed
+from .residual_spectra import Observation, smoothed, tapered
 from .transmission import Transmission
 
 QUIET = (3.0, 5.5)
@@ -32,8 +32,6 @@ SHOCK = 8.0
 """Acceleration, in robust standard deviations, that is a shock or a dropout of the IMU."""
 BLANKED = 0.3
 """[s] On either side of a shock that is not integrated."""
-TAPER = 2.0
-"""[s] Of the window at both ends."""
 
 
 def fused(aligned: Aligned, found: Transmission) -> Array:
@@ -45,7 +43,8 @@ def fused(aligned: Aligned, found: Transmission) -> Array:
     motion = aligned.motion
     seen = aligned.imu.covered(motion, aligned.recording.imu)
     residual = aligned.imu.residual(motion, aligned.recording.imu)[:, :3]
-    window = (_window(seen) * _undisturbed(residual))[:, None]
+    first, last = np.flatnonzero(seen)[[0, -1]].tolist()
+    window = (tapered(len(seen), first, last, RATE) * _undisturbed(residual))[:, None]
     f = np.asarray(rfftfreq(len(motion.time), 1.0 / RATE), dtype=np.float64)
     # Less what the transmission error adds to the accelerometer.
     moved = found.tool_error(motion, aligned.imu.lever).sum(axis=2)
@@ -61,13 +60,6 @@ def fused(aligned: Aligned, found: Transmission) -> Array:
     vibration = irfft(np.where(inside[:, None], -W / omega**2 * a, 0.0), len(seen), axis=0)
     gear = found.tool_error(motion, aligned.target).sum(axis=2)
     return gear + np.asarray(vibration)
-
-
-def _window(seen: NDArray[np.bool_]) -> Array:
-    where = np.flatnonzero(seen)
-    place = np.arange(len(seen))
-    edge = np.minimum(place - where[0], where[-1] - place) / (TAPER * RATE)
-    return np.sin(0.5 * np.pi * np.clip(edge, 0.0, 1.0)) ** 2
 
 
 def _undisturbed(residual: Array) -> Array:

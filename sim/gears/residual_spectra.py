@@ -124,8 +124,7 @@ class Observation:
     @cached_property
     def _window(self) -> Array:
         n = len(self.phi[self._rows])
-        edge = np.minimum(np.arange(n), np.arange(n)[::-1]) / (TAPER * self.sampling)
-        return np.sin(0.5 * np.pi * np.minimum(edge, 1.0)) ** 2
+        return tapered(n, 0, n - 1, self.sampling)
 
     @cached_property
     def _bins(self) -> NDArray[np.intp]:
@@ -167,6 +166,13 @@ class Observation:
         whole[self._bins] = spectrum
         out: Any = irfft(whole, len(self._window), axis=0)
         return out
+
+
+def tapered(n: int, first: int, last: int, rate: float) -> Array:
+    """Window (n,) of samples at a rate [Hz], zero up to `first` and from `last` on."""
+    place = np.arange(n)
+    edge = np.minimum(place - first, last - place) / (TAPER * rate)
+    return np.sin(0.5 * np.pi * np.clip(edge, 0.0, 1.0)) ** 2
 
 
 def smoothed(power: Array, half: int) -> Array:

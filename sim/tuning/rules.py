@@ -5,7 +5,7 @@ The reward is that of `armside.sim.tuning.env.IlcTuningEnv`, with the tool's RMS
 
 import logging
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike, fspath
 from typing import Any, NamedTuple
@@ -105,18 +105,8 @@ class Rules(EnvCfg):
     Raises ValueError for a value that does not exist; the message lists those that do.
     """
 
-    cell: Cell = field(init=False, repr=False)
-    """The robot's cell."""
-    layout: Layout = field(init=False, repr=False)
-    """Entries of the observation."""
-    nominal: RobotModel = field(init=False, repr=False)
-    """Nominal robot of the controller."""
-
     def __post_init__(self) -> None:
-        robot = fspath(self.robot) if isinstance(self.robot, PathLike) else self.robot
-        if not isinstance(robot, str):
-            raise ValueError(f"robot must be a name or a robot file (.toml), got {robot!r}")
-        object.__setattr__(self, "cell", find_cell(robot))
+        _ = self.cell  # the first to be refused
         for name, allowed in (
             ("motors", [m.value for m in Motors]),
             ("reward", [s.value for s in RewardSensor]),
@@ -125,19 +115,15 @@ class Rules(EnvCfg):
         ):
             if (value := getattr(self, name)) not in list(allowed):
                 raise ValueError(f"Unknown {name} {value!r}. It can be: {', '.join(allowed)}")
-        object.__setattr__(self, "iterations", whole("iterations", self.iterations, 1, 10))
         if not isinstance(self.sealed, bool):
             raise ValueError(f"sealed must be True or False, got {self.sealed!r}")
-        basis = CorrectionBasis(self.basis, whole("functions", self.functions, 2, LARGEST_COUNT))
-        object.__setattr__(self, "version", whole("version", self.version, 0, len(RANGES) - 1))
-        shapes = shapes_of(self.shape, self.radius)
-        if self.radius is None and shapes.names == ("circle",):
-            ranges = RANGES[self.version]
-            shapes = Shapes(shapes.names, ranges.radius, ranges.logarithmic)
-        own = basis if self.action == "correction" else None
-        layout = Layout(self.cell.robot.n_joints, shapes, own, payload=self.version > 0)
-        object.__setattr__(self, "layout", layout)
-        object.__setattr__(self, "nominal", cell_model(self.cell))
+        for name, low, high in (
+            ("iterations", 1, 10),
+            ("functions", 2, LARGEST_COUNT),
+            ("version", 0, len(RANGES) - 1),
+        ):
+            object.__setattr__(self, name, whole(name, getattr(self, name), low, high))
+        _ = self.layout, self.nominal
         if isinstance(self.individual, Individual):
             check_applies(self.nominal, self.individual)
         elif self.individual is not None and not isinstance(self.individual, Drawn):
@@ -146,6 +132,35 @@ class Rules(EnvCfg):
             if self.individual is None:
                 raise ValueError("a twin is of one robot: give its individual too")
             stored_twin(self.twin).check(Cut(robot=self.cell))
+
+    @cached_property
+    def cell(self) -> Cell:
+        """The robot's cell."""
+        robot = fspath(self.robot) if isinstance(self.robot, PathLike) else self.robot
+        if not isinstance(robot, str):
+            raise ValueError(f"robot must be a name or a robot file (.toml), got {robot!r}")
+        return find_cell(robot)
+
+    @cached_property
+    def nominal(self) -> RobotModel:
+        """Nominal robot of the controller."""
+        return cell_model(self.cell)
+
+    @cached_property
+    def shapes(self) -> Shapes:
+        """Contours that are cut."""
+        shapes = shapes_of(self.shape, self.radius)
+        if self.radius is None and shapes.names == ("circle",):
+            ranges = RANGES[self.version]
+            return Shapes(shapes.names, ranges.radius, ranges.logarithmic)
+        return shapes
+
+    @cached_property
+    def layout(self) -> Layout:
+        """Entries of the observation."""
+        basis = CorrectionBasis(self.basis, self.functions)
+        own = basis if self.action == "correction" else None
+        return Layout(self.cell.robot.n_joints, self.shapes, own, payload=self.version > 0)
 
     @property
     def robot_or_cell(self) -> str | Cell:
@@ -156,11 +171,6 @@ class Rules(EnvCfg):
     def n_axes(self) -> int:
         """Motors of the robot."""
         return self.layout.n_axes
-
-    @property
-    def shapes(self) -> Shapes:
-        """Contours that are cut."""
-        return self.layout.shapes
 
     @property
     def action_space(self) -> Box:

@@ -17,8 +17,10 @@ from armside.sim.notes import Tally
 from armside.sim.robot.run import cores
 from armside.sim.tuning.action import VARIABLES, Motors
 from armside.sim.tuning.episode_task import TEST_SEEDS
-from armside.sim.tuning.policies import Network, Policy, always, evaluate
+from armside.sim.tuning.policies import Network
 from armside.sim.tuning.rules import Rules
+
+from ._policies import Policy, always, evaluate
 
 TUNED = Path(scripts.__file__).parent / "studies" / "tuned"
 DATA_SEED = 1  # seed of the experiments that models are identified from

@@ -17,7 +17,6 @@ from armside.sim.robot.effects import Effect
 from armside.sim.robot.individual import Individual
 from armside.sim.robot.spread import Drawn
 from armside.sim.robot_file.find import find_cell
-from armside.sim.tuning.policies import run_episode
 from armside.sim.tuning.rules import Rules
 
 from .. import evidence
@@ -25,6 +24,7 @@ from ..scripts.verdicts import failing, fails_by_itself
 from . import (
     _episodes,
     _learned,
+    _policies,
     _twins,
     ablations,
     chapter9,
@@ -328,7 +328,7 @@ def test_a_job_has_the_notes_of_its_cut():
 
 
 def test_an_episode_has_the_notes_of_each_of_its_runs():
-    episode = run_episode(Rules(iterations=1), 0, lambda observed: np.zeros(3))
+    episode = _policies.run_episode(Rules(iterations=1), 0, lambda observed: np.zeros(3))
     assert len(episode.notes) == 2
 
 

@@ -7,12 +7,13 @@ from contextlib import closing
 import gymnasium
 import numpy as np
 import pytest
+from tests.claims._policies import run_episode
 
 import armside.sim.tuning  # noqa: F401 - registers the env
 from armside import assets
 from armside.scripts import cli
 from armside.sim.tuning.episode_task import TEST_SEEDS
-from armside.sim.tuning.policies import Network, run_episode
+from armside.sim.tuning.policies import Network
 from armside.sim.tuning.rules import Rules
 
 TWO_LINK = assets.LARGE_ROBOT_XML.with_name("two_link.toml")

@@ -8,12 +8,13 @@ from gymnasium.utils.seeding import np_random
 from tests.claims import tuning
 from tests.claims._engine import judged
 from tests.claims._episodes import TUNED, searched
+from tests.claims._policies import always, evaluate
 
 from armside.scripts.studies.study import first_action, load_design
 from armside.sim.laser.design import Design
 from armside.sim.tuning.action import VARIABLES, Motors, action_of
 from armside.sim.tuning.episode_task import TEST_SEEDS, draw
-from armside.sim.tuning.policies import Network, always, evaluate
+from armside.sim.tuning.policies import Network
 from armside.sim.tuning.rules import Rules
 
 

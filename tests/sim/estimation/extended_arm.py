@@ -99,7 +99,7 @@ allows: a reading is taken at the step nearest to it, and moved there along its 
 def start_covariance(model: ArmFilter) -> Array:
     """(m, m) at rest before the cut."""
     P, imu = np.zeros(len(model.A)), model.imu
-    n, m = model.n_free, model.n_mechanical
+    n, m = model.n_free, 2 * model.n_free + 12
     P[:n] = (1e-7) ** 2  # [rad]: the deflected arm starts where the arm is
     P[n : 2 * n] = (1e-6) ** 2
     for k, triad in enumerate((imu.accelerometer, imu.gyroscope)):
@@ -184,9 +184,10 @@ class ExtendedArm:
     def _step(self, x: Array, u: Array, slope: Array) -> tuple[Array, Array]:
         """Exact for the linearisation at x, with inputs that change linearly."""
         rate, _, local = self._motion(x, u)
-        n, arm = len(x), local.arm
+        n, m, arm = len(x), 2 * local.n_free + 12, local.arm
         springs = np.hstack((np.diag(arm.stiffness), np.diag(arm.damping)))
-        pulled = local.E[:, arm.axes] @ (springs @ slope)
+        pulled = local.A[:, m:-6] @ (springs @ slope)  # as tau_d does, but for its own decay
+        pulled[m:] = 0.0
         # dx' = A dx + rate + (B slope) t as one linear system with the states 1 and t.
         block = np.zeros((n + 2, n + 2))
         block[:n, :n], block[:n, n], block[:n, n + 1] = local.A, rate, pulled
@@ -197,7 +198,7 @@ class ExtendedArm:
     def _motion(self, x: Array, u: Array) -> tuple[Array, Array, ArmFilter]:
         """x', reading of an ideal IMU (6,), and the filter's matrices at x and u = (phi, phi')."""
         model, arm = self.model, self.model.arm
-        n, m, axes = model.n_free, model.n_mechanical, arm.axes
+        n, m, axes = model.n_free, 2 * model.n_free + 12, arm.axes
         q, q_dot, torque, pull = x[:n], x[n : 2 * n], x[m : m + n], np.empty(n)
         spring = arm.stiffness * (u[:n] - q[axes]) + arm.damping * (u[n:] - q_dot[axes])
         pull[axes] = spring + torque

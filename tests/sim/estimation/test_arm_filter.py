@@ -46,7 +46,7 @@ def test_each_triad_has_the_low_pass_and_the_noise_of_its_data_sheet(model, k):
 
 
 def test_the_unexplained_torque_has_its_size_and_corner(model):
-    own = model.n_mechanical + np.arange(6)
+    own = 2 * model.n_free + 12 + np.arange(6)
     A, W = model.A[np.ix_(own, own)], model.intensity[np.ix_(own, own)]
     assert np.linalg.eigvals(A) == pytest.approx(np.full(6, -2 * np.pi * 20.0))
     std = np.sqrt(np.diag(solve_continuous_lyapunov(A, -W)))
@@ -55,7 +55,7 @@ def test_the_unexplained_torque_has_its_size_and_corner(model):
 
 
 def test_readings_are_low_passed_motion_and_bias(model):
-    m = model.n_mechanical
+    m = 2 * model.n_free + 12
     bias = np.arange(m + 6, m + 12)
     assert model.C[:, bias] == pytest.approx(np.eye(6))
     readings = np.concatenate([low_pass(model, k)[0] for k in (0, 1)])

@@ -1,5 +1,6 @@
 """Options of the laws for the tool's path: what they build, and their documented defaults."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -20,46 +21,52 @@ PLANT = SimpleNamespace(
 )
 
 
+def law_of(law, turn_rate=1.27, *, rotations=True, lowest_mode=0.0):
+    """A law on one plant; of the inverse, that of its place."""
+    plants = PathPlants(plants=(PLANT,), weights=np.ones((9, 1)), lowest_mode=lowest_mode)
+    made = law.along(plants, turn_rate, rotations=rotations)
+    return made.laws[0] if isinstance(made, ScheduledInverse) else made
+
+
 def test_errors_are_learned_from_under_a_guard_unless_said_otherwise():
-    law = ToolLaw().law(PLANT, 1.27)
+    law = law_of(ToolLaw())
     assert isinstance(law, Guarded)
-    assert isinstance(law.law, RegularisedInverse)
-    assert isinstance(ToolLaw(guarded=False).law(PLANT, 1.27), RegularisedInverse)
+    assert isinstance(law.law, ScheduledInverse)
+    assert isinstance(law_of(ToolLaw(guarded=False)), RegularisedInverse)
     assert (law.tolerance, law.back_off, law.patience) == (1.2, 0.5, 3)
 
 
 def test_an_orientation_error_of_a_milliradian_counts_as_a_tenth_of_a_millimetre():
-    law = ToolLaw().law(PLANT, 1.27)
+    law = law_of(ToolLaw())
     assert law.weight == (1.0, 1.0, 1.0, 0.1, 0.1, 0.1)
-    assert law.law.output_weight == law.weight
-    seen = ToolLaw().law(PLANT, 1.27, rotations=False)
+    assert law.law.laws[0].output_weight == law.weight
+    seen = law_of(ToolLaw(), rotations=False)
     assert seen.weight == (1.0, 1.0, 1.0, 0.0, 0.0, 0.0)
 
 
 def test_the_design_variables_reach_the_law():
-    law = ToolLaw(gamma=0.7, cutoff=12.0, guarded=False).law(PLANT, 1.27)
+    law = law_of(ToolLaw(gamma=0.7, cutoff=12.0, guarded=False))
     assert (law.gamma, law.cutoff, law.limit) == (0.7, 12.0, 0.02)
     assert law.input_size == pytest.approx(SIZE)
     default = ToolLaw(guarded=False)
     assert (default.gamma, default.delta) == (0.9, 3)
-    assert default.law(PLANT, 1.27).cutoff == pass_band(1.27)
+    assert law_of(default).cutoff == pass_band(1.27)
 
 
 def test_a_stiff_arm_is_learned_up_to_its_lowest_mode():
     law = ToolLaw(guarded=False)
-    assert law.law(PLANT, 1.27, lowest_mode=14.0).cutoff == 14.0
-    assert law.law(PLANT, 1.27, lowest_mode=45.0).cutoff == 20.0
-    assert law.law(PLANT, 3.2, lowest_mode=12.0).cutoff == pass_band(3.2)
-    given = ToolLaw(guarded=False, cutoff=10.0)
-    assert given.law(PLANT, 1.27, lowest_mode=14.0).cutoff == 10.0
-    assert law.law(PLANT, 1.27, lowest_mode=6.0).cutoff == pass_band(1.27) == CUTOFF
+    assert law_of(law, lowest_mode=14.0).cutoff == 14.0
+    assert law_of(law, lowest_mode=45.0).cutoff == 20.0
+    assert law_of(law, 3.2, lowest_mode=12.0).cutoff == pass_band(3.2)
+    assert law_of(replace(law, cutoff=10.0), lowest_mode=14.0).cutoff == 10.0
+    assert law_of(law, lowest_mode=6.0).cutoff == pass_band(1.27) == CUTOFF
 
 
 def test_each_kind_is_its_law():
-    optimal = ToolLaw(kind=ToolLawKind.NORM_OPTIMAL, guarded=False).law(PLANT, 1.27)
+    optimal = law_of(ToolLaw(kind=ToolLawKind.NORM_OPTIMAL, guarded=False))
     assert isinstance(optimal, RecordOptimal)
     heuristic = ToolLaw(kind=ToolLawKind.HEURISTIC, guarded=False, gamma=0.5, delta=4)
-    law = heuristic.law(PLANT, 1.27, rotations=False)
+    law = law_of(heuristic, rotations=False)
     assert isinstance(law, JointSpace)
     assert isinstance(law.law, Heuristic)
     assert (law.law.gamma, law.law.delta) == (0.5, 4)

@@ -132,6 +132,8 @@ def test_a_clipped_reading_is_one_at_the_end_of_its_range():
         count = 2.0 * cfg.range / 2**16
         assert np.abs(read[2:5, 0] - levels[2:5, 0]).max() <= 0.5 * count * (1 + 1e-9)
         assert triad.cfg.resolution == pytest.approx(count)
+        whole = read[2:5, 0] / count
+        assert whole == pytest.approx(np.rint(whole), rel=0, abs=1e-9)
 
 
 # Tracker

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from tests.claims._policies import always, run_episode
 
 from armside import assets
 from armside.sim.motion.contour import RADII
 from armside.sim.robot_file.find import read_cell
 from armside.sim.tuning.action import Motors, design_of
 from armside.sim.tuning.episode_task import Shapes, candidates, draw, movable, shapes_of
-from armside.sim.tuning.policies import always, run_episode
 from armside.sim.tuning.rules import Rules
 
 TWO_LINK = assets.LARGE_ROBOT_XML.with_name("two_link.toml")

@@ -12,6 +12,7 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
+from tests.claims._policies import always, run_episode
 
 from armside import assets
 from armside.sim import tuning
@@ -19,7 +20,6 @@ from armside.sim.laser.design import THESIS
 from armside.sim.tuning.action import VARIABLES, Motors, action_of
 from armside.sim.tuning.episode_task import OPTIONS, RANGES, TEST_SEEDS
 from armside.sim.tuning.picture import LARGEST_SHOWN, MAGNIFICATIONS, magnification
-from armside.sim.tuning.policies import always, run_episode
 from armside.sim.tuning.rules import HORIZON, WORST_REWARD, EnvCfg, Rules
 
 ID, V1 = "armside/IlcTuning-v0", "armside/IlcTuning-v1"

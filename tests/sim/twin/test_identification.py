@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from armside.sim.robot.individual import embodied, structure_hinges
 from armside.sim.twin.identification import Group, Solving
@@ -90,3 +91,11 @@ def test_a_step_is_the_least_squares_solution_of_data_and_prior_together():
     assert ((theta + expected > parameters.lower) & (theta + expected < parameters.upper)).all()
     np.testing.assert_allclose(change, expected, rtol=1e-6, atol=1e-9)
     np.testing.assert_allclose(covariance, np.linalg.inv(rows.T @ rows), rtol=1e-6, atol=1e-12)
+
+
+@pytest.mark.parametrize("block", [*OF_FRICTION, MASS], ids=lambda block: block.name)
+def test_bounds_of_torque_parameters_leave_three_standard_deviations_to_either_side(block):
+    """Or none is set; a prior is as wide for one number of the friction law as for another."""
+    assert 3.0 * block.prior <= min(block.upper, -block.lower)
+    if block is not MASS and np.isfinite(block.upper):
+        assert block.prior == OF_FRICTION[0].prior
