@@ -37,7 +37,7 @@ from ..shell.options import SOME, Common, FileToRead, Limits, check_limits, opti
 STANDARD = ProcessingCfg()
 _IMU = Parameter(group=Group("Virtual IMU", sort_key=5))
 UNIT = ImuCfg()
-OF_UNIT = {
+AT_MOST = {
     "imu_rate": Limits(10.0, 1000.0, "Hz"),
     "accelerometer_noise": Limits(0.0, 1.0, "m/s^2 a root Hz"),
     "gyroscope_noise": Limits(0.0, 10.0, "deg/s a root Hz"),
@@ -46,16 +46,14 @@ OF_UNIT = {
     "mounting_error": Limits(0.0, 10.0, "deg"),
     "clock_offset": Limits(0.0, 100.0, "ms"),
     "clock_drift": Limits(0.0, 1000.0, "ppm"),
-}
-LARGEST_NUMBER = 20
-"""Recordings of one command."""
-AT_MOST = OF_UNIT | {
     "off": Limits(0.0, 600.0, "s", above=True),
     "on": Limits(0.0, 600.0, "s", above=True),
     "accelerometer_delay": Limits(-1000.0, 1000.0, "ms"),
     "gyroscope_delay": Limits(-1000.0, 1000.0, "ms"),
 }
 """At rest, half a minute of the processor or so."""
+LARGEST_NUMBER = 20
+"""Recordings of one command."""
 OF_RECORDED = Limits(0.0, 25.0, "Hz with --recordings", above=True)
 """Cutoff, where motor angles are low-passed before they are differentiated."""
 AT_REST = Effort(0.1, 4e6)
@@ -64,8 +62,11 @@ AT_REST = Effort(0.1, 4e6)
 
 @options
 @dataclass(frozen=True, kw_only=True)
-class UnitCfg:
-    """Rate, errors and clock of the IMU. Errors are one standard deviation, drawn by the seed."""
+class ImuOptions(BagCfg):
+    """Motion of the robot, its IMU, and processing of measurement and prediction.
+
+    Errors of the IMU are one standard deviation, drawn by the seed.
+    """
 
     imu_rate: Annotated[float, _IMU] = UNIT.rate
     """Readings a second [Hz]."""
@@ -83,33 +84,6 @@ class UnitCfg:
     """Largest offset of its clock [ms; default: 10, at rest 0]."""
     clock_drift: Annotated[float, _IMU] = 1e6 * UNIT.clock_drift
     """Error of its clock's rate [ppm]."""
-
-    def unit(self, clock_offset: float) -> ImuCfg:
-        """The IMU of these options. clock_offset [s]: of the experiment, if none was given."""
-        offset = clock_offset if self.clock_offset is None else 1e-3 * self.clock_offset
-        accelerometer = replace(
-            ACCELEROMETER, noise_density=self.accelerometer_noise, bias=self.accelerometer_bias
-        )
-        gyroscope = replace(
-            GYROSCOPE,
-            noise_density=np.deg2rad(self.gyroscope_noise),
-            bias=np.deg2rad(self.gyroscope_bias),
-        )
-        return ImuCfg(
-            accelerometer=accelerometer,
-            gyroscope=gyroscope,
-            rate=self.imu_rate,
-            mounting_error=np.deg2rad(self.mounting_error),
-            clock_offset=offset,
-            clock_drift=1e-6 * self.clock_drift,
-        )
-
-
-@options
-@dataclass(frozen=True, kw_only=True)
-class ImuOptions(UnitCfg, BagCfg):
-    """Motion of the robot, and processing of measurement and prediction."""
-
     robot: str = "irb1400"
     """Robot that moves: irb1400, large, or a robot file (.toml). With --recordings also other names
     (ur10, irb120, aubo_i5, ...)."""
@@ -140,6 +114,26 @@ class ImuOptions(UnitCfg, BagCfg):
     """Delay of its low-pass that is compensated [ms]."""
     gyroscope_delay: float = round(1e3 * STANDARD.gyroscope_delay, 3)
     """Delay of the gyro's low-pass, compensated [ms]."""
+
+    def unit(self, clock_offset: float) -> ImuCfg:
+        """The IMU of these options. clock_offset [s]: of the experiment, if none was given."""
+        offset = clock_offset if self.clock_offset is None else 1e-3 * self.clock_offset
+        accelerometer = replace(
+            ACCELEROMETER, noise_density=self.accelerometer_noise, bias=self.accelerometer_bias
+        )
+        gyroscope = replace(
+            GYROSCOPE,
+            noise_density=np.deg2rad(self.gyroscope_noise),
+            bias=np.deg2rad(self.gyroscope_bias),
+        )
+        return ImuCfg(
+            accelerometer=accelerometer,
+            gyroscope=gyroscope,
+            rate=self.imu_rate,
+            mounting_error=np.deg2rad(self.mounting_error),
+            clock_offset=offset,
+            clock_drift=1e-6 * self.clock_drift,
+        )
 
     def __post_init__(self) -> None:
         super().__post_init__()

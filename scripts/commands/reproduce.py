@@ -118,7 +118,7 @@ def reproduce(
     folder.begin(config)
     total = sum(job.cost for job in jobs) + DRAWING * len(parts)
     try:
-        with report.weighted_progress("reproducing", total) as step:
+        with report.progress("reproducing", total, weighted=True) as step:
             with Workers() as workers:
                 run_batch(jobs, store, workers=workers, done=step)
                 follow_ups = [part.follow_up for part in parts.values() if part.follow_up]

@@ -127,7 +127,7 @@ class RayCluster:
             ray.init(address=address, log_to_driver=False, logging_level="ERROR")
         except (ConnectionError, RuntimeError, ValueError, OSError) as error:
             raise InputError(f"no Ray cluster answers at {address}: {one_line(error)}") from error
-        self._call = ray.remote(num_cpus=1, max_retries=RETRIES)(lambda call, item: call(item))
+        self._call = ray.remote(num_cpus=1, max_retries=RETRIES)(_call)
 
     def results(
         self, function: Callable[[Item], Any], items: Iterable[Item]
@@ -156,6 +156,10 @@ def _fill(
     for item in islice(waiting, max(0, room - len(running))):
         running[submit(item)] = item
     return bool(running)
+
+
+def _call(function: Callable[[Any], Any], item: Any) -> Any:
+    return function(item)
 
 
 def _knock(address: str) -> None:

@@ -8,6 +8,7 @@ import sys
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -39,12 +40,22 @@ class Report:
         self.common = common
 
     @contextmanager
-    def progress(self, task: str, total: int) -> Iterator[Callable[[], None]]:
-        """A progress bar while the block runs; call what it yields after each of `total` steps."""
-        columns = (bars.TextColumn("{task.description}"), bars.BarColumn())
-        with self._bar(*columns, bars.MofNCompleteColumn(), bars.TimeElapsedColumn()) as bar:
+    def progress(
+        self, task: str, total: float, *, weighted: bool = False
+    ) -> Iterator[Callable[..., None]]:
+        """A progress bar while the block runs; call what it yields after each of `total` steps. Of
+        unequal steps it is called with their weights, and the time that is left is shown."""
+        columns = [bars.TextColumn("{task.description}"), bars.BarColumn()]
+        columns += [bars.MofNCompleteColumn(), bars.TimeElapsedColumn()]
+        if weighted:
+            columns[0] = bars.TextColumn("{task.description} {task.percentage:3.0f} %")
+            columns[2:] = [bars.TimeRemainingColumn(elapsed_when_finished=True)]
+        hidden, console = self.common.quiet or not sys.stderr.isatty(), Console(file=sys.stderr)
+        with bars.Progress(
+            *columns, console=console, disable=hidden, transient=True, speed_estimate_period=120.0
+        ) as bar:
             task_id = bar.add_task(task, total=total)
-            yield lambda: bar.advance(task_id)
+            yield partial(bar.advance, task_id)
 
     def each(
         self, task: str, function: Callable[[Item], Result], items: Sequence[Item]
@@ -56,20 +67,6 @@ class Report:
                 found.append(function(item))
                 step()
         return found
-
-    @contextmanager
-    def weighted_progress(self, task: str, total: float) -> Iterator[Callable[[float], None]]:
-        """As `progress`, for steps of unequal weight; shows the time that is left."""
-        columns = (bars.TextColumn("{task.description} {task.percentage:3.0f} %"), bars.BarColumn())
-        with self._bar(*columns, bars.TimeRemainingColumn(elapsed_when_finished=True)) as bar:
-            task_id = bar.add_task(task, total=total)
-            yield lambda weight: bar.advance(task_id, weight)
-
-    def _bar(self, *columns: bars.ProgressColumn) -> bars.Progress:
-        hidden, console = self.common.quiet or not sys.stderr.isatty(), Console(file=sys.stderr)
-        return bars.Progress(
-            *columns, console=console, disable=hidden, transient=True, speed_estimate_period=120.0
-        )
 
     def table(
         self,

@@ -48,16 +48,6 @@ signal.setitimer(signal.ITIMER_REAL, 0.01)  # in the midst of the imports
 sys.argv = ["armside", "--help"]
 sys.exit(cli.main())
 """
-
-
-def test_ctrl_c_while_python_imports_is_one_line(tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-c", EARLY], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
-    assert (done.returncode, done.stdout) == (130, "")
-    assert done.stderr == "armside: interrupted, nothing was kept\n"
-
-
 SWALLOWED = """
 import ctypes, os, signal, sys
 from armside.scripts.shell import runner as process
@@ -71,11 +61,17 @@ except KeyboardInterrupt:
 """
 
 
-def test_ctrl_c_that_compiled_code_swallows_comes_again(tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-c", SWALLOWED], capture_output=True, timeout=60, check=False
-    )
-    assert (done.returncode, done.stderr) == (130, b"")
+def ended(code: str) -> tuple[int, str, str]:
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    return done.returncode, done.stdout, done.stderr
+
+
+def test_ctrl_c_while_python_imports_is_one_line():
+    assert ended(EARLY) == (130, "", "armside: interrupted, nothing was kept\n")
+
+
+def test_ctrl_c_that_compiled_code_swallows_comes_again():
+    assert ended(SWALLOWED) == (130, "", "")
 
 
 CLOSED = [(1,), (0, 1, 2)]

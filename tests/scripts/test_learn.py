@@ -1,6 +1,7 @@
 """`armside learn`: comparisons, continuations, plants by hand, and its errors."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,8 @@ from armside.ilc.models.file import write_model
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 from armside.scripts.cli import main
+from armside.scripts.workbench.law_results import of_the_tool
+from armside.sim.notes import GROWTH
 
 from .ran import ran
 
@@ -179,3 +182,13 @@ def test_bad_input_and_failures_are_one_line(words, status, message, place, caps
     assert message in said
     assert len(said.splitlines()) == 1
     assert (place / "out").exists() == ("diverged" in message)
+
+
+def test_a_tool_that_got_worse_by_more_than_a_twentieth_is_noted_in_micrometres():
+    def run(law, *tool):
+        return SimpleNamespace(law=law, measures=[{"arm_rms": rms} for rms in tool])
+
+    runs = [run("a", 1e-4, 1.049e-4), run("b", 1e-4, 2e-4), run("c", 1e-4, 3e-5)]
+    assert GROWTH == 1.05
+    assert of_the_tool(runs) == ["1 of 3 runs made the tool worse: RMS 100 to 200 um with b"]
+    assert of_the_tool([runs[0], runs[2]]) == []

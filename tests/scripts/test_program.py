@@ -162,3 +162,15 @@ def test_refused_in_one_line(line, place, tmp_path, bad_input):
     for name, text in files.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
     bad_input(line.format(run=place / "run"), REFUSED[line])
+
+
+def test_the_entries_of_a_program_are_those_of_chords_of_its_circle(place, tmp_path):
+    """Chords of length s at a radius R lie at most s^2 / (8 R) inside; at v at least v / s of them
+    come in a second."""
+    cut = f"cut {place / 'hole.svg'} --speed 50 --plan-only --as-program urscript --spacing 1"
+    entry = ran(tmp_path / "plan", cut)["program"]
+    assert "text" not in entry
+    assert entry["spacing"] == 1e-3
+    assert entry["targets"] >= 2 * 3.1416 * 3
+    assert entry["blocks_per_second"] >= 50.0
+    assert 0.0 < entry["chord_error"] < 1e-3**2 / (8 * 3e-3)

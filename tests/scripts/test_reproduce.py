@@ -334,6 +334,6 @@ def test_a_changed_constant_in_any_package_makes_the_store_ask_again(tmp_path, m
 
 
 def test_progress_counts_weights_without_a_terminal():
-    with Report(Common(quiet=True)).weighted_progress("working", 3.0) as step:
+    with Report(Common(quiet=True)).progress("working", 3.0, weighted=True) as step:
         step(1.5)
         step(1.5)

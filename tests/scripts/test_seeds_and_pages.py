@@ -7,7 +7,7 @@ import pytest
 
 from armside.scripts.cutting.cut_run import ready
 from armside.scripts.cutting.options import LaserCfg
-from armside.scripts.cutting.specification import contour, cut, measure
+from armside.scripts.cutting.specification import cut, measure
 from armside.scripts.jobs import store as room
 from armside.scripts.jobs.resolved import key_of
 from armside.scripts.jobs.store import code_fingerprint, digest, digest_of
@@ -186,20 +186,6 @@ def test_the_design_of_the_options_is_that_of_the_law():
     path = measure(LaserCfg(measure="estimate", gamma=(0.6,), cutoff=(11.0,)))
     assert (path.law.gamma, path.law.cutoff) == (0.6, 11.0)
     assert path.stiffness_error == pytest.approx(0.3)
-
-
-@pytest.mark.parametrize(
-    ("shape", "length"),
-    [
-        # perimeter less what rounded corners save: (8 - 2 pi) r of a square
-        ("square", 4 * 0.020 - (8 - 2 * np.pi) * 0.003),
-        ("slot", 2 * 0.020 + np.pi * 0.010),
-        ("circle", 2 * np.pi * 0.005),
-    ],
-)
-def test_shapes_have_their_documented_default_sizes(shape, length):
-    """A square of 20 mm with corners of 0.15 of that; a slot of 30 mm, a third as wide."""
-    assert contour(LaserCfg(shape=shape)).length == pytest.approx(length)
 
 
 def test_the_seed_of_a_cut_is_that_of_its_robot_and_noise():

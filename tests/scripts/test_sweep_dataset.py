@@ -3,11 +3,13 @@
 import errno
 import json
 import tracemalloc
+from typing import Literal
 
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from armside.scripts.jobs.dataset import Dataset, schema
+from armside.scripts.jobs.dataset import Dataset, _arrow, schema
 from armside.scripts.jobs.grid import Grid, parse, run_grid
 from armside.scripts.jobs.queue import Claims
 from armside.scripts.shell.errors import RunFailed
@@ -177,3 +179,18 @@ def test_a_row_of_another_version_is_named_with_what_to_do(tmp_path):
     file.write_text(json.dumps(quick(point) | {"limits_hit": "many"}))
     with pytest.raises(RunFailed, match=rf"{point.key}.json does not fit .*; remove it"):
         run_grid([point], Dataset(tmp_path), Serial(quick))
+
+
+@pytest.mark.parametrize(
+    ("hint", "kind"),
+    [
+        (float, pa.float64()),
+        (float | None, pa.float64()),
+        (int | str, pa.string()),
+        (bool, pa.bool_()),
+        (Literal["a", "b"], pa.string()),
+        (tuple[int, ...], pa.list_(pa.int64())),
+    ],
+)
+def test_a_column_has_the_type_of_its_field_whether_or_not_it_may_be_empty(hint, kind):
+    assert _arrow(hint) == kind
