@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..filters import ALL_PASS, RecordFilter
-from ..models.system import Complex
 from ..models.system_matrix import Model
 from ..records import records
 from .first_order import FilteredLaw
@@ -49,16 +48,6 @@ class HighOrder(FilteredLaw):
             total += alpha * u
             learned += beta * e
         return self.Q(total + self.L(learned)), pairs[: self.order - 1]
-
-    def spectral_radius(self, T_u: Complex, omega: ArrayLike) -> Array:
-        """Spectral radius of the iteration at each frequency; below 1 it converges."""
-        L, Q = self.L.response(omega), self.Q.response(omega)
-        # U_{k+1} = sum_i Q (alpha_i - beta_i T_u L) U_{k-i} + (terms of e_0), in companion form.
-        companion = np.zeros((np.size(omega), self.order, self.order), dtype=complex)
-        for i, (alpha, beta) in enumerate(zip(self.alpha, self.beta, strict=True)):
-            companion[:, 0, i] = Q * (alpha - beta * T_u * L)
-        companion[:, 1:, :-1] += np.eye(self.order - 1)
-        return np.abs(np.linalg.eigvals(companion)).max(axis=-1)
 
 
 def periodic_pattern(period: int) -> tuple[float, ...]:

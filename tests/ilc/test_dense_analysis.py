@@ -26,7 +26,6 @@ from armside.ilc.analysis.robustness import PARAMETERS, contraction_map, monte_c
 from armside.ilc.filters import ALL_PASS, ZeroPhaseButterworth
 from armside.ilc.laws.first_order import PType
 from armside.ilc.laws.heuristic import Heuristic
-from armside.ilc.laws.memory import HighOrder
 from armside.ilc.models.two_mass import TwoMassJoint, TwoMassLoop
 
 from .dense_filters import by_column, low_pass_gain, response
@@ -161,20 +160,6 @@ def test_the_asymptotic_error_is_the_fixed_point_of_the_periodic_iteration(case)
     expected = e_0.ravel() - G @ np.linalg.solve(left, F @ M @ e_0.ravel())
     found = asymptotic_error(e_0, T, L, Q).ravel()
     assert close(found, expected)
-
-
-@on_plants(6, ONE_MOTOR, SHORT)
-def test_the_rate_of_a_high_order_law_is_its_largest_root(case):
-    """Roots of z^3 - Q sum (alpha_i - beta_i T L) z^(2 - i) at each frequency."""
-    rng, T, *_ = case
-    alpha, beta = rng.uniform(-0.5, 1.0, (2, 3))
-    law = HighOrder(alpha=tuple(alpha), beta=tuple(beta), L=L, Q=Q)
-    omega = rng.uniform(0.0, np.pi, 20)
-    found = law.spectral_radius(T.response(omega), omega)
-    gain, TL = low_pass_gain(omega, 20.0), response(T, omega)[:, 0, 0] * 0.4 * np.exp(3j * omega)
-    for rho, q, tl in zip(found, gain, TL, strict=True):
-        roots = np.roots(np.concatenate(([1.0], -q * (alpha - beta * tl))))
-        assert rho == pytest.approx(np.abs(roots).max(), rel=AGREED)
 
 
 def fine(poles):

@@ -162,8 +162,3 @@ def test_a_filter_without_known_poles_gives_loci_without_a_bound():
     found = eigenloci(SystemMatrix.diagonal([SERVO, SERVO]), 0.9, 2, Half())
     assert found.bound is None
     assert found.is_met == (found.spectral_radius < 1.0)
-
-
-def test_an_unstable_plant_is_refused():
-    with pytest.raises(ValueError, match="T_u"):
-        eigenloci(System(np.array([1.0]), np.array([1.0, -1.1]), T_S), 0.9, 0, LOW)

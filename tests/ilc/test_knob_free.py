@@ -45,11 +45,6 @@ def test_without_noise_the_impulse_response_is_exact():
     np.testing.assert_allclose(found.simulate(u), y, atol=1e-4)
 
 
-def test_records_without_input_have_no_impulse_response():
-    with pytest.raises(ValueError, match="input and output are not zero"):
-        impulse_response(Sums.none(5).with_records(np.zeros((9, 1)), np.ones((9, 1))))
-
-
 def test_white_noise_has_a_correlation_time_of_one_sample_and_a_low_pass_more():
     white = np.random.default_rng(0).standard_normal((20_000, 1))
     assert correlation_time(white) == pytest.approx(1.0, abs=0.1)
@@ -187,21 +182,3 @@ def test_a_motor_that_does_not_move_has_no_friction():
     found = friction(still, [(0 * still, 0.1 * still)])
     assert held_by(found)[1] == 0.0
     assert np.isfinite(found.as_correction(still)).all()
-
-
-@pytest.mark.parametrize("runs", [[], [(DIP, DIP[:-1])]])
-def test_runs_of_another_length_are_refused(runs):
-    with pytest.raises(ValueError, match=r"records of shape \(300, 2\), one or more"):
-        friction(DIP, runs)
-
-
-@pytest.mark.parametrize("hostile", [np.full_like(DIP, np.nan), DIP.astype(complex), DIP[:, 0]])
-def test_a_record_that_is_none_is_refused(hostile):
-    for run in ((hostile, DIP), (DIP, hostile)):
-        with pytest.raises(ValueError, match=r"must be|must have shape"):
-            friction(DIP, [run])
-
-
-def test_a_reference_of_another_shape_is_refused():
-    with pytest.raises(ValueError, match=r"reference has shape \(300, 2\), the record has"):
-        KnobFree(Q=Q, reference=DIP).check(200, 2)

@@ -74,16 +74,6 @@ def test_a_plant_that_varies_along_the_record_is_learned():
     assert norms[-1] < 1e-3 * norms[0]
 
 
-def test_a_plant_along_another_record_is_refused_in_one_line():
-    plant = LinearPlant(T_u=varying(150), reference=bump(200, 2))
-    with pytest.raises(ValueError, match="T_u covers 150 samples, the record 200"):
-        plant.run(np.zeros((200, 2)))
-    with pytest.raises(ValueError, match="direct term C needs a T_u with one input"):
-        LinearPlant(T_u=varying(200), reference=bump(200, 2), C=System(np.ones(1), np.ones(1), T_S))
-    with pytest.raises(ValueError, match="T_u must be a model with"):
-        LinearPlant(T_u=object(), reference=bump(200))  # pyright: ignore[reportArgumentType]
-
-
 def test_response_and_asymptotic_error_are_those_of_the_matrix_of_systems():
     one, other = (
         System.from_z([0.3], [1, -0.7], T_S),
@@ -141,18 +131,3 @@ def test_a_model_of_ones_own_learns_by_its_products_or_is_refused():
     weights[7] = 0.0
     with pytest.raises(ValueError, match="whose sum is > 0"):
         NormOptimal(T_u=Own(), n_samples=50, criterion=QuadraticCriterion(change=weights))
-
-
-def test_plants_that_do_not_fit_are_refused():
-    A, B, C = np.array([[0.5]]), np.ones((1, 2)), np.ones((1, 1))
-    with pytest.raises(ValueError, match=r"do not fit each other: .* needed are \(n, n\)"):
-        StateSpace(A, B.T, C)
-    with pytest.raises(ValueError, match="unstable"):
-        NormOptimal(T_u=StateSpace(2.5 * A, B, C), n_samples=50)
-    varying = TimeVarying(*(np.repeat(M[None], 40, axis=0) for M in (A, B, C)))
-    with pytest.raises(ValueError, match="T_u covers 40 samples, the record 50"):
-        NormOptimal(T_u=varying, n_samples=50)
-    with pytest.raises(ValueError, match="T_u has 2 inputs, the record 1"):
-        StateSpace(A, B, C).simulate(np.ones((9, 1)))
-    with pytest.raises(ValueError, match="needs a sample_time"):
-        as_state_space(control.rss(2, 1, 1))
