@@ -163,21 +163,19 @@ class Adaptive(FilteredLaw):
         self, correction: Array, error: Array, memory: Array | None = None, /
     ) -> tuple[Array, Array]:
         """memory: P(t) after the last update, shape (N, n)."""
+        from scipy.special import gammaincinv
+
         P = np.full_like(error, self.initial_variance) if memory is None else memory
         r_n = self.noise_variance
         if memory is not None:
             power, expected = _averaged(np.square(error), self.window), P + r_n
-            changed = power > self._largest_by_chance(len(error)) * expected
+            half = 0.5 * _counted(len(error), self.window)
+            # mean square of so much unit noise that is exceeded once in 10,000 samples
+            by_chance = (gammaincinv(half, 1.0 - _FALSE_ALARM) / half)[:, None]
+            changed = power > by_chance * expected
             P = P + np.where(changed, power - expected, 0.0)
         kappa = P / (P + r_n)
         return self.Q(correction + kappa * self.L(error)), P * r_n / (P + r_n)
-
-    def _largest_by_chance(self, n_samples: int) -> Array:
-        """Mean square of so much unit noise that is exceeded once in 10,000 samples, (N, 1)."""
-        from scipy.special import gammaincinv
-
-        half = 0.5 * _counted(n_samples, self.window)
-        return (gammaincinv(half, 1.0 - _FALSE_ALARM) / half)[:, None]
 
 
 _AROUND = 5  # bins to each side over which a first power is averaged

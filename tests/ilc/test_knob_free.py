@@ -38,13 +38,6 @@ def test_the_impulse_response_lies_within_its_uncertainty():
     assert 0.90 <= np.mean(inside) <= 0.99
 
 
-def test_without_noise_the_impulse_response_is_exact():
-    u, y = noisy(200, 0.0)
-    found = impulse_response(Sums.none(40).with_records(u, y))
-    np.testing.assert_allclose(found.taps, ARX.impulse(40), atol=1e-5)
-    np.testing.assert_allclose(found.simulate(u), y, atol=1e-4)
-
-
 def test_white_noise_has_a_correlation_time_of_one_sample_and_a_low_pass_more():
     white = np.random.default_rng(0).standard_normal((20_000, 1))
     assert correlation_time(white) == pytest.approx(1.0, abs=0.1)

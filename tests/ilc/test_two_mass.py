@@ -34,20 +34,10 @@ def omega(hertz):
     return 2 * np.pi * T_S * np.asarray(hertz, float)
 
 
-def learned(plant, law, iterations=500):
-    """(motor, arm) 2-norms of each iteration."""
-    trials = learn(
-        plant,
-        law,
-        plant.motor_reference,
-        iterations,
-        output_of=lambda run: run.motor,
-        divergence_ratio=np.inf,
-    )
-    norms = [
-        (two_norm(t.error)[0], two_norm(plant.arm_reference - t.result.arm)[0]) for t in trials
-    ]
-    return np.array(norms).T
+def learned(plant, law):
+    """(motor, arm) 2-norms of each of 500 iterations."""
+    found = two_mass_study.run(plant, law, 500)
+    return found.motor, found.arm
 
 
 def heuristic(cutoff=None, delta=5):
@@ -177,7 +167,7 @@ def test_s4_s5_without_q_the_error_falls_for_a_couple_of_dozen_iterations_and_th
     assert motor.min() == pytest.approx(smallest, rel=0.01)
     assert motor[k] == pytest.approx(later, rel=tolerance)
     # stopped in time it is better than the best of the filters, left alone it is far worse
-    with_q, _ = learned(TwoMassPlant(), heuristic(17.0), 500)
+    with_q, _ = learned(TwoMassPlant(), heuristic(17.0))
     assert motor.min() < with_q[500] < motor[0] < motor[500]
 
 
