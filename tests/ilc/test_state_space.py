@@ -14,13 +14,11 @@ from armside.ilc.laws.norm_optimal import NormOptimal
 from armside.ilc.laws.quadratic import QuadraticCriterion
 from armside.ilc.models.conversion import as_state_space
 from armside.ilc.models.file import MOST_STATES, read_model, write_model
-from armside.ilc.models.linear_plant import LinearPlant
 from armside.ilc.models.state_space import StateSpace, TimeVarying
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 
 from .random_cases import T_S, random_matrix
-from .signals import bump, error_norms
 
 OMEGA = np.array([0.0, 0.01, 0.4, 2.0, np.pi])
 
@@ -63,15 +61,6 @@ def test_a_model_that_is_not_square_is_written_and_refused_as_a_plant(tmp_path):
     write_model(file, StateSpace(np.eye(1) / 2, np.ones((1, 2)), np.ones((1, 1))))
     with pytest.raises(ValueError, match="as many outputs as inputs are needed, got 1 and 2"):
         read_model(file)
-
-
-def test_a_plant_that_varies_along_the_record_is_learned():
-    reference = bump(200, 2)
-    T_u = varying(200)
-    plant = LinearPlant(T_u=T_u, reference=reference)
-    np.testing.assert_allclose(plant.run(0.0 * reference), T_u.simulate(reference))
-    norms = error_norms(plant, NormOptimal(T_u=T_u, n_samples=200), reference, 3)
-    assert norms[-1] < 1e-3 * norms[0]
 
 
 def test_response_and_asymptotic_error_are_those_of_the_matrix_of_systems():
