@@ -1,4 +1,4 @@
-"""Compiled recursions in time of block-diagonal models.
+"""Compiled recursions in time: states of block-diagonal models, matrices of filters.
 
 Matrices have a leading axis of time of length 1 or N; see `blocks.Realisation`.
 """
@@ -43,3 +43,22 @@ def times_blocks(
                 for i in range(size):
                     value += X[row, start + i] * A[block, i, c]
                 product[row, start + c] = value
+
+
+@njit(cache=True, error_model="numpy", fastmath=SUMS)
+def filter_matrix(b: Array, a: Array, u: Array) -> Array:  # pragma: no cover - compiled
+    """y_i = sum_j b_ij / a_ij u_j for coefficients (p, m, order + 1), powers of q^-1, a[0] = 1."""
+    p, m, size = b.shape
+    y, w = np.zeros((len(u), p)), np.zeros(size)
+    for i in range(p):
+        for j in range(m):
+            if not b[i, j].any():
+                continue
+            w[:] = 0.0  # partial sums of the transposed direct form
+            for t in range(len(u)):
+                given = u[t, j]
+                found = b[i, j, 0] * given + w[0]
+                for lag in range(1, size):
+                    w[lag - 1] = w[lag] + b[i, j, lag] * given - a[i, j, lag] * found
+                y[t, i] += found
+    return y

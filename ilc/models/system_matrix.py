@@ -64,12 +64,28 @@ class SystemMatrix:
     @records("signal")
     def simulate(self, signal: Array) -> Array:
         """Outputs (N, n) for inputs (N, n), from zero state."""
-        outputs = np.zeros_like(signal)
+        if self._is_diagonal:
+            columns = [row[i].simulate(signal[:, [i]]) for i, row in enumerate(self.entries)]
+            return np.concatenate(columns, axis=1)
+        from .block_recursion import filter_matrix  # imported here: compiled
+
+        return filter_matrix(*self._coefficients, np.ascontiguousarray(signal))
+
+    @cached_property
+    def _is_diagonal(self) -> bool:
+        return not any(
+            s.b.any() for i, row in enumerate(self.entries) for j, s in enumerate(row) if i != j
+        )
+
+    @cached_property
+    def _coefficients(self) -> tuple[Array, Array]:
+        """b and a of all entries (n, n, order + 1), padded with zeros to the same length."""
+        size = max(max(len(s.b), len(s.a)) for row in self.entries for s in row)
+        b, a = np.zeros((2, len(self.entries), len(self.entries), size))
         for i, row in enumerate(self.entries):
             for j, system in enumerate(row):
-                if system.b.any():
-                    outputs[:, [i]] += system.simulate(signal[:, [j]])
-        return outputs
+                b[i, j, : len(system.b)], a[i, j, : len(system.a)] = system.b, system.a
+        return b, a
 
     @records("signal")
     def adjoint(self, signal: Array) -> Array:
