@@ -141,7 +141,10 @@ def learn(
             result = plant.run(correction.copy()) if made is None else made
             # A plant may diverge by learning, to values that are not finite, but not before it.
             gate = as_samples if k > 0 else as_record
-            output = _checked(gate(output_of(result), f"the output of run {k}"), reference)
+            output = gate(output_of(result), f"the output of run {k}")
+            if output.shape != reference.shape:
+                needed = f"the shape {reference.shape} of the reference"
+                raise ValueError(f"the output must have {needed}, got {output.shape}")
             error = reference - output
             size = size_of(error)
             first_size = size if first_size is None else first_size
@@ -154,10 +157,3 @@ def learn(
             correction, memory = law.step(correction, error, memory)
 
     return trials()
-
-
-def _checked(output: Array, reference: Array) -> Array:
-    if output.shape != reference.shape:
-        needed = f"the shape {reference.shape} of the reference"
-        raise ValueError(f"the output must have {needed}, got {output.shape}")
-    return output

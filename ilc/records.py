@@ -95,7 +95,11 @@ def records(
         def gated(*args: P.args, **kwargs: P.kwargs) -> R:
             given = dict(zip(parameters, args, strict=False)) | kwargs
             passed = {name: gate(given[name], name) for name in names if name in given}
-            _check_alike(passed, alike)
+            shapes = [record.shape if alike else record.shape[0] for record in passed.values()]
+            if len(set(shapes)) > 1:
+                same = "one shape" if alike else "equally many samples"
+                found = " and ".join(map(str, shapes))
+                raise ValueError(f"{' and '.join(passed)} must have {same}, got {found}")
             placed = [passed.get(p, value) for p, value in zip(parameters, args, strict=False)]
             extra = args[len(parameters) :]
             named = {name: passed.get(name, value) for name, value in kwargs.items()}
@@ -105,11 +109,3 @@ def records(
         return gated
 
     return decorate
-
-
-def _check_alike(passed: dict[str, Array], alike: bool) -> None:
-    shapes = [record.shape if alike else record.shape[0] for record in passed.values()]
-    if len(set(shapes)) > 1:
-        same = "one shape" if alike else "equally many samples"
-        found = " and ".join(map(str, shapes))
-        raise ValueError(f"{' and '.join(passed)} must have {same}, got {found}")

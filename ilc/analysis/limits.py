@@ -34,7 +34,6 @@ def largest_gamma(
     cutoffs: ArrayLike | None,
     *,
     order: int = 2,
-    n_frequencies: int = 2000,
 ) -> Array:
     """Supremum of the gains that meet the criterion, shape (n_deltas, n_cutoffs).
 
@@ -51,7 +50,7 @@ def largest_gamma(
     for name, given in (("deltas", deltas), ("cutoffs", cutoffs)):
         if given is not None and (given.ndim != 1 or not given.size):
             raise ValueError(f"{name} must have shape (m,) with m >= 1, got {given.shape}")
-    omega = _grid(T_u, deltas, n_frequencies)
+    omega = _grid(T_u, deltas, 2000)
     size, phase = _polar(T_u.response(omega))
     cosine = np.cos(phase + np.multiply.outer(deltas, omega))
     if cutoffs is None:
@@ -121,7 +120,6 @@ def largest_cutoff(
     delta: int,
     *,
     order: int = 2,
-    n_frequencies: int = 20000,
 ) -> float:
     """Supremum of the cutoffs [Hz] of a zero-phase Butterworth Q that meet the criterion.
 
@@ -132,7 +130,7 @@ def largest_cutoff(
     T_u = require_stable(as_system(T_u), "T_u")
     as_number(gamma, "gamma", 0.0)
     as_number(as_whole(delta, "delta"), "delta")
-    omega = _grid(T_u, delta, n_frequencies)[:-1]  # at the Nyquist frequency itself Q is 0
+    omega = _grid(T_u, delta, 20000)[:-1]  # at the Nyquist frequency itself Q is 0
 
     def at(omega: Array) -> Array:
         """t_c, infinite where the criterion is met without Q."""

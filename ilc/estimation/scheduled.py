@@ -35,13 +35,13 @@ class ScheduledSmoother:
         """schedule: (N,) index among the processes."""
         filters = [SteadyStateFilter(one) for one in processes]
         self.schedule = np.ascontiguousarray(schedule, dtype=np.int64)
-        self._A, self._C = _stack([f.process.A for f in filters]), filters[0].process.C
-        self._gain = _stack([f.gain for f in filters])
-        self._S = _stack([f.innovation_covariance for f in filters])
-        self._whitening = _stack([f.whitening[0] for f in filters])
+        self._A, self._C = np.array([f.process.A for f in filters]), filters[0].process.C
+        self._gain = np.array([f.gain for f in filters])
+        self._S = np.array([f.innovation_covariance for f in filters])
+        self._whitening = np.array([f.whitening[0] for f in filters])
         identity = np.eye(len(self._A[0]))
         predicted = [f.predicted_covariance for f in filters]
-        self._filtered = _stack(
+        self._filtered = np.array(
             [(identity - f.gain @ self._C) @ P for f, P in zip(filters, predicted, strict=True)]
         )
 
@@ -74,7 +74,7 @@ class ScheduledSmoother:
             which[i] = len(known[0]) + len(more[0])
             for rows, one in zip(more, self._without(self.schedule[i], ~seen[i]), strict=True):
                 rows.append(one)
-        return [_stack([*all_, *rows]) for all_, rows in zip(known, more, strict=True)], which
+        return [np.array([*all_, *rows]) for all_, rows in zip(known, more, strict=True)], which
 
     def _without(self, s: int, missing: NDArray[np.bool_]) -> tuple[Array, Array, Array, Array]:
         """Of process s without some channels: K = P C^T S^-1 gives P C^T = K S."""
@@ -85,10 +85,6 @@ class ScheduledSmoother:
         gain = np.linalg.solve(S, PC.T).T
         whitening: Array = np.asarray(np.linalg.inv(np.linalg.cholesky(S)), dtype=np.float64)
         return gain, S, predicted - gain @ PC.T, whitening
-
-
-def _stack(matrices: Sequence[Array]) -> Array:
-    return np.ascontiguousarray(np.array(matrices))
 
 
 _LONGEST = 4000

@@ -63,16 +63,14 @@ class Friction:
     @records("output")
     def as_correction(self, output: Array) -> Array:
         """(N, n): correction that a motion (N, n) needs to overcome its friction."""
-        F = np.einsum("tnp,np->tn", _stops(output, self.widths), self.size)
-        u = np.stack([self._by_servo(F[:, j], j) for j in range(F.shape[1])], axis=1)
-        return u[np.minimum(np.arange(len(u)) + self.delay, len(u) - 1)]
-
-    def _by_servo(self, force: Array, j: int) -> Array:
-        """z of z + kappa sum z + tau dz = F, by the bilinear transform."""
         from scipy.signal import bilinear, lfilter
 
-        b, a = bilinear([1.0, 0.0], [self.tau[j], 1.0, self.kappa[j]], 1.0)
-        return np.asarray(lfilter(b, a, force))
+        F = np.einsum("tnp,np->tn", _stops(output, self.widths), self.size)
+        u = np.empty_like(F)
+        for j in range(F.shape[1]):  # z of z + kappa sum z + tau dz = F, by the bilinear transform
+            b, a = bilinear([1.0, 0.0], [self.tau[j], 1.0, self.kappa[j]], 1.0)
+            u[:, j] = lfilter(b, a, F[:, j])
+        return u[np.minimum(np.arange(len(u)) + self.delay, len(u) - 1)]
 
 
 @records("reference")

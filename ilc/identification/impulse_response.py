@@ -16,6 +16,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..records import records
+from .polynomial import delayed
 
 DECAYS = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.93, 0.96, 0.98)
 """lambda that are tried."""
@@ -44,7 +45,7 @@ class Sums(NamedTuple):
         """Sums with the columns of further records (N, m), at rest before their first sample."""
         normal, right = self.normal.copy(), self.right.copy()
         for u, y in zip(input.T, output.T, strict=True):
-            U = _lagged(u, len(right))
+            U = np.stack([delayed(u[:, None], i)[:, 0] for i in range(len(right))], axis=1)
             normal += U.T @ U
             right += U.T @ y
         power = self.power + float(np.vdot(output, output))
@@ -69,23 +70,16 @@ class ImpulseEstimate:
         return np.stack(moved, axis=1)
 
 
-def _lagged(signal: Array, n_taps: int) -> Array:
-    """(N, n): column i is the signal (N,) i samples later."""
-    U = np.zeros((len(signal), n_taps))
-    for i in range(min(n_taps, len(signal))):
-        U[i:, i] = signal[: len(signal) - i]
-    return U
-
-
 def impulse_response(sums: Sums) -> ImpulseEstimate:
     """Estimate of the largest evidence. ValueError for records without input or output."""
     n = len(sums.right)
     size = float(np.trace(sums.normal)) / n
     if not (size > 0.0 and sums.power > 0.0):
         raise ValueError("the impulse response needs records whose input and output are not zero")
+    later = np.maximum.outer(np.arange(1, n + 1), np.arange(1, n + 1))
     best, largest = None, -np.inf
     for decay in DECAYS:
-        factor = np.linalg.cholesky(_kernel(decay, n))
+        factor = np.linalg.cholesky(decay**later + 1e-12 * np.eye(n))
         w, V = np.linalg.eigh(factor.T @ sums.normal @ factor)
         w, z = np.maximum(w, 0.0), V.T @ (factor.T @ sums.right)
         ratios = _RATIOS / size
@@ -100,11 +94,6 @@ def impulse_response(sums: Sums) -> ImpulseEstimate:
     assert best is not None
     decay, basis, z, shrunk, variance = best
     return ImpulseEstimate(basis @ (shrunk * z), variance * (basis * shrunk) @ basis.T, decay)
-
-
-def _kernel(decay: float, n: int) -> Array:
-    later = np.maximum.outer(np.arange(1, n + 1), np.arange(1, n + 1))
-    return decay**later + 1e-12 * np.eye(n)
 
 
 @records("residual")

@@ -51,11 +51,6 @@ class InnovationsForm:
         """From u to y, (M, p, m), at omega (M,) [rad/sample]."""
         return self.system.response(omega)
 
-    @records("u")
-    def simulate(self, u: Array) -> Array:
-        """Outputs (N, p) of inputs (N, m) from rest, without noise."""
-        return self.system.simulate(u)
-
     @records("u", "y", alike=False)
     def innovations(self, u: Array, y: Array, start: ArrayLike | None = None) -> Array:
         """One-step prediction errors e (N, p) from `start` (n,), 0 if None."""

@@ -221,14 +221,14 @@ def _search(start: Polynomials, u: Array, y: Array) -> tuple[Polynomials, Array,
     """Model at the minimum, gradient (N m, d) and prediction error (N, m) there."""
     model, damping = start, 1e-3
     e = model.prediction_error(u, y)
-    J = _flat(model.gradient(u, y))
+    J = model.gradient(u, y).reshape(e.size, -1)
     for _ in range(_STEPS):
         before = float(np.square(e).sum())
         found = _downhill(model, J, e, u, y, damping)
         if found is None:
             break
         model, e, damping = found
-        J = _flat(model.gradient(u, y))
+        J = model.gradient(u, y).reshape(e.size, -1)
         if before - float(np.square(e).sum()) <= _CONVERGED * before:
             break
     return model, J, e
@@ -251,7 +251,3 @@ def _downhill(
                 return tried, left, max(damping / 10.0, 1e-12)
         damping = max(10.0 * damping, 1e-6)
     return None
-
-
-def _flat(gradient: Array) -> Array:
-    return gradient.reshape(-1, gradient.shape[2])

@@ -113,11 +113,10 @@ def compare_structures(
     *,
     largest_order: int = 4,
     largest_delay: int = 10,
-    criterion: Information = Information.BIC,
 ) -> list[Candidate]:
     """Best fit of each structure to u (N, m) and y (N, p), the most trustworthy first.
 
-    Fits without warnings come first, by the criterion. With a warning the criterion says little of
+    Fits without warnings come first, by BIC. With a warning it says little of
     the response from u to y, so those follow by the accuracy of simulation. Several inputs or
     outputs are for the subspace structure alone.
     """
@@ -133,15 +132,15 @@ def compare_structures(
             sizes = range(1, largest_order + delay + 1)
             horizon = max(10, 2 * len(sizes))
             best, *_ = rank_subspace_orders(
-                u, y, sample_time, sizes, criterion, horizon=horizon, feedthrough=delay == 0
+                u, y, sample_time, sizes, horizon=horizon, feedthrough=delay == 0
             )
         else:
             sizes = [_ORDERS[each](n, delay) for n in range(1, largest_order + 1)]
-            best = _best(u, y, sample_time, sizes, criterion)
+            best = _best(u, y, sample_time, sizes)
         found.append(Candidate(each, best, fit_of(best.model.system, u, y)))
     sound = [one for one in found if not one.warnings]
     others = [one for one in found if one.warnings]
-    sound.sort(key=lambda one: one.fit.score(criterion))
+    sound.sort(key=lambda one: one.fit.score(Information.BIC))
     return sound + sorted(others, key=lambda one: -one.accuracy)
 
 
@@ -160,9 +159,7 @@ def _delay(u: Array, y: Array, sample_time: float, largest: int) -> int:
     raise reason
 
 
-def _best(
-    u: Array, y: Array, sample_time: float, sizes: list[Orders], criterion: Information
-) -> PolynomialFit:
+def _best(u: Array, y: Array, sample_time: float, sizes: list[Orders]) -> PolynomialFit:
     """Orders that the data do not excite are left out; of none, the reason is raised."""
     fits, reason = list[PolynomialFit](), None
     for orders in sizes:
@@ -173,4 +170,4 @@ def _best(
     if not fits:
         assert reason is not None
         raise reason
-    return min(fits, key=lambda fit: fit.score(criterion))
+    return min(fits, key=lambda fit: fit.score(Information.BIC))

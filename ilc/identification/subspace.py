@@ -201,7 +201,7 @@ def bootstrap_response_deviation(
     L = np.linalg.cholesky(model.S)
     for _ in range(repeats):
         e = rng.standard_normal((len(u), len(L))) @ L.T
-        y = model.simulate(u) + states(model.A, e @ model.K.T) @ model.C.T + e
+        y = model.system.simulate(u) + states(model.A, e @ model.K.T) @ model.C.T + e
         again = fit_subspace(
             u, y, model.sample_time, model.order,
             horizon=max(_HORIZON, model.order + 1), feedthrough=fit.feedthrough,

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from ..filters import ALL_PASS, End, RecordFilter, check_shift, shift
+from ..filters import ALL_PASS, RecordFilter, check_shift, shift
 from ..models.system import Complex, unit_circle
 from ..records import as_real, as_whole, records
 
@@ -73,7 +73,6 @@ class PType:
 
     gamma: float = 0.9
     delta: int = 0
-    end: End = End.HOLD
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.gamma):
@@ -85,7 +84,7 @@ class PType:
 
     @records("signal")
     def __call__(self, signal: Array, /) -> Array:
-        return self.gamma * shift(signal, self.delta, self.end)
+        return self.gamma * shift(signal, self.delta)
 
     def response(self, omega: ArrayLike) -> Complex:
         return self.gamma * unit_circle(omega) ** self.delta
@@ -102,7 +101,6 @@ class DType:
     sample_time: float
     delta: int = 1
     """Shift of the newer of the two samples."""
-    end: End = End.HOLD
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.gamma_d):
@@ -117,9 +115,8 @@ class DType:
 
     @records("signal")
     def __call__(self, signal: Array, /) -> Array:
-        newer = shift(signal, self.delta, self.end)
-        older = shift(signal, self.delta - 1, self.end)
-        return self.gamma_d / self.sample_time * (newer - older)
+        change = shift(signal, self.delta) - shift(signal, self.delta - 1)
+        return self.gamma_d / self.sample_time * change
 
     def response(self, omega: ArrayLike) -> Complex:
         q = unit_circle(omega)
@@ -134,7 +131,6 @@ class MatrixGain:
     """(n, n); entry (i, j) is the gain from the error of motor j to the correction of motor i."""
     delta: int | tuple[int, ...] = 0
     """Shift of each error [samples]."""
-    end: End = End.HOLD
 
     def __post_init__(self) -> None:
         gamma = np.array(as_real(self.gamma, "gamma"))
@@ -150,7 +146,7 @@ class MatrixGain:
 
     @records("signal")
     def __call__(self, signal: Array, /) -> Array:
-        return shift(signal, self.delta, self.end) @ self.gamma.T
+        return shift(signal, self.delta) @ self.gamma.T
 
     def response(self, omega: ArrayLike) -> Complex:
         """Shape (M, n, n)."""

@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike
 from armside.arrays import Array
 
 from ..filters import ALL_PASS, RecordFilter
-from ..models.system import Complex
 from ..models.system_matrix import Model
 from ..records import records
 from .first_order import FilteredLaw
@@ -49,16 +48,6 @@ class HighOrder(FilteredLaw):
             total += alpha * u
             learned += beta * e
         return self.Q(total + self.L(learned)), pairs[: self.order - 1]
-
-    def spectral_radius(self, T_u: Complex, omega: ArrayLike) -> Array:
-        """Spectral radius of the iteration at each frequency; below 1 it converges."""
-        L, Q = self.L.response(omega), self.Q.response(omega)
-        # U_{k+1} = sum_i Q (alpha_i - beta_i T_u L) U_{k-i} + (terms of e_0), in companion form.
-        companion = np.zeros((np.size(omega), self.order, self.order), dtype=complex)
-        for i, (alpha, beta) in enumerate(zip(self.alpha, self.beta, strict=True)):
-            companion[:, 0, i] = Q * (alpha - beta * T_u * L)
-        companion[:, 1:, :-1] += np.eye(self.order - 1)
-        return np.abs(np.linalg.eigvals(companion)).max(axis=-1)
 
 
 def periodic_pattern(period: int) -> tuple[float, ...]:
@@ -174,21 +163,19 @@ class Adaptive(FilteredLaw):
         self, correction: Array, error: Array, memory: Array | None = None, /
     ) -> tuple[Array, Array]:
         """memory: P(t) after the last update, shape (N, n)."""
+        from scipy.special import gammaincinv
+
         P = np.full_like(error, self.initial_variance) if memory is None else memory
         r_n = self.noise_variance
         if memory is not None:
             power, expected = _averaged(np.square(error), self.window), P + r_n
-            changed = power > self._largest_by_chance(len(error)) * expected
+            half = 0.5 * _counted(len(error), self.window)
+            # mean square of so much unit noise that is exceeded once in 10,000 samples
+            by_chance = (gammaincinv(half, 1.0 - _FALSE_ALARM) / half)[:, None]
+            changed = power > by_chance * expected
             P = P + np.where(changed, power - expected, 0.0)
         kappa = P / (P + r_n)
         return self.Q(correction + kappa * self.L(error)), P * r_n / (P + r_n)
-
-    def _largest_by_chance(self, n_samples: int) -> Array:
-        """Mean square of so much unit noise that is exceeded once in 10,000 samples, (N, 1)."""
-        from scipy.special import gammaincinv
-
-        half = 0.5 * _counted(n_samples, self.window)
-        return (gammaincinv(half, 1.0 - _FALSE_ALARM) / half)[:, None]
 
 
 _AROUND = 5  # bins to each side over which a first power is averaged

@@ -116,10 +116,11 @@ class FiniteDifference(FirstOrderLaw):
         return correction + self.basis @ c.reshape(n_columns, n_basis).T
 
 
-def b_splines(n_samples: int, n_basis: int, degree: int = 3) -> Array:
+def b_splines(n_samples: int, n_basis: int) -> Array:
     """(N, m) B-splines with evenly spaced knots over the record, for `FiniteDifference`."""
     from scipy.interpolate import BSpline
 
+    degree = 3
     if n_basis <= degree or n_samples < n_basis:
         raise ValueError(f"n_basis must be in {degree + 1}..{n_samples}, got {n_basis}")
     inner = np.linspace(0.0, 1.0, n_basis - degree + 1)

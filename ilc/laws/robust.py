@@ -103,7 +103,9 @@ def h_infinity(
         found.append(replace(best, reached=float(reached), bound=float(bound)))
         if reached <= _CLOSE * best.reached:
             break
-        omega = np.union1d(omega, _maxima(seen, best.reached))
+        ends = np.concatenate(([-np.inf], seen.values, [-np.inf]))
+        local = (seen.values >= ends[:-2]) & (seen.values > ends[2:])
+        omega = np.union1d(omega, seen.omega[local & (seen.values > best.reached**2)])
     proven = max(found, key=lambda each: each.least)
     best = min(found, key=lambda each: each.reached)
     return replace(best, least=min(proven.least, best.reached), bounded=proven.bounded)
@@ -156,13 +158,6 @@ class _Matching:
         taps = np.zeros(self.n_taps - 1)
         every = np.concatenate((self.T_u.all_poles, poles, taps)).astype(np.complex128)
         return peak(power, every, omega)
-
-
-def _maxima(seen: Peak, above: float) -> Array:
-    """Frequencies of local maxima of the criterion above a value."""
-    ends = np.concatenate(([-np.inf], seen.values, [-np.inf]))
-    local = (seen.values >= ends[:-2]) & (seen.values > ends[2:])
-    return seen.omega[local & (seen.values > above**2)]
 
 
 def _weighted(A: Complex, b: Array, weight: Array) -> Array:

@@ -113,7 +113,6 @@ def run(
     motor_reference: Array,
     feedforward: Array,
     *,
-    plant: TwoMass | None = None,
     disturbed: bool = True,
     closed: bool = True,
 ) -> BenchRun:
@@ -123,7 +122,7 @@ def run(
     0.2 sin(2 pi (t - 3)) N m at the motor from 3 s on, and the sprung lever at the load.
     closed: under feedback.
     """
-    linear = plant or TwoMass()
+    linear = TwoMass()
     parameters = np.array([getattr(linear, n) for n in ("Jm", "Jl", "k", "d", "N", "viscous")])
     own = np.array([individual.amplitude, individual.phase])
     offsets = np.array([individual.motor_offset, individual.load_offset])

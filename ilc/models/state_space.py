@@ -18,7 +18,7 @@ from armside.arrays import Array
 
 from ..records import as_number, as_real, records
 from .blocks import Realisation, filtered
-from .system import Complex, unit_circle, zero_order_hold
+from .system import Complex, unit_circle
 
 _CONDITIONED = 1e4
 """Condition of the eigenvectors up to which recursions run in modes: four digits of sixteen."""
@@ -115,15 +115,6 @@ class StateSpace(_Matrices):
     def __post_init__(self) -> None:
         as_number(self.sample_time, "sample_time", 0.0)
         self._hold(2)
-
-    @classmethod
-    def from_continuous(
-        cls, A: ArrayLike, B: ArrayLike, C: ArrayLike, D: ArrayLike | None, sample_time: float
-    ) -> "StateSpace":
-        """From x' = A x + B u, y = C x + D u with u held over each sample (zero-order hold)."""
-        as_number(sample_time, "sample_time", 0.0)
-        known = matrices(A, B, C, D, dimensions=2)
-        return cls(*zero_order_hold(known[0], known[1], sample_time), *known[2:], sample_time)
 
     @property
     def poles(self) -> Complex:

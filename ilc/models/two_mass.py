@@ -168,22 +168,30 @@ class TwoMassRun:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class TwoMassPlant:
-    """Linear joint that repeats one arm reference; `run` returns a `TwoMassRun`."""
+class _Repeated:
+    """A joint that repeats one arm reference."""
 
     loop: TwoMassLoop = field(default_factory=TwoMassLoop)
     arm_reference: Array = field(default_factory=step_reference)
     motor_reference: Array = field(init=False)
     """r_m = F_r r_a, shape (N, 1) as r_a."""
     _T_motor: System = field(init=False, repr=False)
-    _to_arm: System = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "arm_reference", as_record(self.arm_reference, "arm_reference"))
-        loop = self.loop
-        from_motor = loop.arm_reading is ArmReading.THESIS
-        object.__setattr__(self, "motor_reference", loop.F_r.simulate(self.arm_reference))
-        object.__setattr__(self, "_T_motor", loop.T_motor)
+        object.__setattr__(self, "motor_reference", self.loop.F_r.simulate(self.arm_reference))
+        object.__setattr__(self, "_T_motor", self.loop.T_motor)  # refuses an unstable loop
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TwoMassPlant(_Repeated):
+    """Linear joint that repeats one arm reference; `run` returns a `TwoMassRun`."""
+
+    _to_arm: System = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        loop, from_motor = self.loop, self.loop.arm_reading is ArmReading.THESIS
         # G_a after q_m keeps more digits than T_{u,a}, whose seven poles lie close together.
         to_arm = loop.joint.arm(loop.sample_time) if from_motor else loop.T_arm
         object.__setattr__(self, "_to_arm", to_arm)
@@ -198,7 +206,7 @@ class TwoMassPlant:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class FrictionPlant:
+class FrictionPlant(_Repeated):
     """Loop of Fig 8.2 in continuous time, sampled controller, dry friction, noisy encoder.
 
     Between samples the linear part is exact (zero-order hold over `substeps`). In each substep
@@ -207,16 +215,12 @@ class FrictionPlant:
     motor angle and the exact arm angle.
     """
 
-    loop: TwoMassLoop = field(default_factory=TwoMassLoop)
-    arm_reference: Array = field(default_factory=step_reference)
     coulomb: float = 0.0
     """c [N m], motor side."""
     noise: float = 0.0
     rng: np.random.Generator | None = None
     """Source of noise, whose standard deviation is that of the measured motor angle [rad]."""
     substeps: int = 20
-    motor_reference: Array = field(init=False)
-    """r_m = F_r r_a, shape (N, 1)."""
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.coulomb) and self.coulomb >= 0.0):
@@ -226,9 +230,7 @@ class FrictionPlant:
             raise ValueError(f"noise must be {needed}, got {self.noise}")
         if self.substeps < 1:
             raise ValueError(f"substeps must be >= 1, got {self.substeps}")
-        object.__setattr__(self, "arm_reference", as_record(self.arm_reference, "arm_reference"))
-        _ = self.loop.T_motor  # refuses an unstable loop
-        object.__setattr__(self, "motor_reference", self.loop.F_r.simulate(self.arm_reference))
+        super().__post_init__()
 
     @records("correction")
     def run(self, correction: Array, /) -> TwoMassRun:

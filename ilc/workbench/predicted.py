@@ -138,7 +138,11 @@ def predict(
     errors = _errors(built, error_of, first_correction, memory, iterations)
     if Words.parse(law).name in MEASURING:  # L is measured, not stated
         return Prediction(None, None, errors)
-    return Prediction(contraction(built, T_u), _spectral_radius(built, setting, T_u), errors)
+    radius = None
+    if isinstance(built, (Heuristic, FirstOrder)) and setting.reference.size <= MOST_LIFTED:
+        shape = setting.n_samples, setting.n_columns
+        radius = LiftedIteration.build(T_u, built, *shape).spectral_radius
+    return Prediction(contraction(built, T_u), radius, errors)
 
 
 def predicted_loci(law: str, setting: Setting) -> Eigenloci | None:
@@ -162,10 +166,3 @@ def _errors(
     norms = np.full(iterations + 1, np.nan)
     norms[: len(errors)] = [np.linalg.norm(error) for error in errors]
     return norms
-
-
-def _spectral_radius(law: Law, setting: Setting, T_u: Model) -> float | None:
-    known = isinstance(law, (Heuristic, FirstOrder))
-    if not known or setting.reference.size > MOST_LIFTED:
-        return None
-    return LiftedIteration.build(T_u, law, setting.n_samples, setting.n_columns).spectral_radius

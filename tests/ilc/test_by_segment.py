@@ -32,21 +32,6 @@ def trials(law: Law = LAW, count=8):
     return list(learn(Plant(), law, np.ones((N, 1)), count))
 
 
-def test_a_segment_that_no_longer_improves_keeps_its_best_correction():
-    found = trials()
-    held = [None if t.memory is None else t.memory.held.tolist() for t in found]
-    since = next(k for k, each in enumerate(held) if each and each[0])
-    assert since >= 3, "two updates running have to bring little"
-    sizes = [np.linalg.norm(t.error[:HALF]) for t in found]
-    for trial in found[since:]:
-        assert trial.memory.held.tolist() == [True, False]
-        best = found[int(np.argmin(sizes[:since]))].correction[:HALF]
-        np.testing.assert_array_equal(trial.correction[:HALF], best)
-    free = trials(LAW.law)
-    for trial, alone in zip(found, free, strict=True):
-        np.testing.assert_allclose(trial.correction[HALF:], alone.correction[HALF:])
-
-
 def test_a_loop_that_is_resumed_holds_what_was_held():
     whole = trials()
     again = list(learn(Plant(), LAW, np.ones((N, 1)), 3, resume=whole[5].state))

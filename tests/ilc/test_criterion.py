@@ -130,11 +130,6 @@ def test_a_model_that_is_zero_at_some_frequency_is_bounded_by_the_others():
     assert largest_gamma(difference, [0], [10.0])[0, 0] == pytest.approx(2.0, abs=1e-6)
 
 
-def test_an_unstable_model_is_refused_by_name():
-    with pytest.raises(ValueError, match=r"T_u is unstable: its largest pole has modulus 1\.1"):
-        largest_gamma(System([0, 1], [1, -1.1], 0.01), [1], [5.0])
-
-
 def test_without_q_shift_1_converges_only_after_a_transient_of_many_decades():
     lifted = LiftedIteration.build(
         T_MOTOR, Heuristic(Q=AllPass(), delta=1, end=End.ZERO), n_samples=200

@@ -57,9 +57,8 @@ from .random_cases import (
 
 
 def p_type(rng, T, n, n_samples) -> Any:
-    gamma, delta, hold = rng.uniform(0.1, 1.0), int(rng.integers(-5, 20)), rng.random() < 0.5
-    L = PType(gamma=gamma, delta=delta, end=End.HOLD if hold else End.ZERO)
-    return L, by_column([gamma * shifted(n_samples, delta, hold)] * n)
+    gamma, delta = rng.uniform(0.1, 1.0), int(rng.integers(-5, 20))
+    return PType(gamma=gamma, delta=delta), by_column([gamma * shifted(n_samples, delta)] * n)
 
 
 def d_type(rng, T, n, n_samples) -> Any:

@@ -93,11 +93,6 @@ def test_the_free_number_is_chosen_by_the_first_run_of_development():
     assert np.median(firsts) == pytest.approx(0.354, abs=0.002)
 
 
-def test_a_law_of_no_side_is_refused():
-    with pytest.raises(ValueError, match="torque must be None, motor or load, got 'both'"):
-        DualStage(torque="both")
-
-
 @pytest.fixture(scope="module")
 def shaken():
     """Twelve seconds of the chirp: to 3.3 Hz."""

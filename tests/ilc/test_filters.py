@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import armside.ilc
-from armside.ilc.filters import AllPass, Edge, End, ZeroPhaseButterworth, butterworth, shift
+from armside.ilc.filters import AllPass, End, ZeroPhaseButterworth, butterworth, shift
 from armside.ilc.models.system import System
 from armside.ilc.records import as_record, records
 
@@ -180,11 +180,6 @@ def test_lists_and_masked_arrays_without_masked_values_are_records():
 SAMPLE_TIME = 0.004
 
 
-def test_a_cutoff_that_rings_for_hours_is_refused():
-    with pytest.raises(ValueError, match=r"rings for .* samples with Edge.REST"):
-        ZeroPhaseButterworth(1e-5, SAMPLE_TIME, edge=Edge.REST)(np.ones((50, 1)))
-
-
 def test_coefficients_are_the_reference_values_m5():
     (b, a), *others = butterworth(17.0, 0.01, 2)
     assert not others
@@ -199,23 +194,6 @@ def test_the_gain_is_one_half_at_the_cutoff_and_one_at_rest(order):
     np.testing.assert_allclose(gains, [1.0, 0.5], atol=1e-12)
 
 
-@pytest.mark.parametrize("cutoff", [0.0, -1.0, 125.0, 200.0, np.nan, np.inf, (10.0, 125.0)])
-def test_a_cutoff_outside_zero_to_nyquist_is_refused(cutoff):
-    with pytest.raises(ValueError, match=r"cutoff .* Nyquist frequency 125 Hz"):
-        ZeroPhaseButterworth(cutoff, SAMPLE_TIME)
-
-
-def test_filters_and_shifts_that_do_not_fit_the_record_are_refused():
-    with pytest.raises(ValueError, match="one for each of 6, got 2"):
-        ZeroPhaseButterworth((1.0, 2.0), SAMPLE_TIME)(np.zeros((100, 6)))
-    with pytest.raises(ValueError, match="longer than the pad of 6"):
-        ZeroPhaseButterworth(1.0, SAMPLE_TIME)(np.zeros((6, 1)))
-    with pytest.raises(ValueError, match="order must be"):
-        ZeroPhaseButterworth(1.0, SAMPLE_TIME, order=5)
-    with pytest.raises(ValueError, match="sample_time"):
-        ZeroPhaseButterworth(1.0, float("nan"))
-
-
 def test_the_shift_looks_ahead_for_positive_delta_and_holds_or_clears_the_end():
     record = np.array([[1.0], [2.0], [3.0], [4.0]])
     assert shift(record, 1)[:, 0].tolist() == [2, 3, 4, 4]
@@ -223,12 +201,6 @@ def test_the_shift_looks_ahead_for_positive_delta_and_holds_or_clears_the_end():
     assert shift(record, -2)[:, 0].tolist() == [1, 1, 1, 2]
     assert shift(record, -2, End.ZERO)[:, 0].tolist() == [0, 0, 1, 2]
     assert shift(record, 0)[:, 0].tolist() == [1, 2, 3, 4]
-
-
-@pytest.mark.parametrize("delta", [4, -4, 99, (0, 4)])
-def test_a_shift_beyond_the_record_is_refused(delta):
-    with pytest.raises(ValueError, match="within the record of 4 samples"):
-        shift(np.zeros((4, 2)), delta)
 
 
 def test_q_equal_to_one_returns_a_copy():

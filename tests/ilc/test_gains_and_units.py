@@ -120,10 +120,3 @@ def test_innovations_of_twice_their_size_are_not_those_of_the_model(factor, whit
     assert isinstance(found, Whiteness)
     assert found.rms == pytest.approx([factor, factor])
     assert found.is_white is white
-
-
-def test_innovations_that_remember_are_not_white():
-    rng = np.random.default_rng(4)
-    e = rng.standard_normal((2000, 1))
-    e[1:] += 0.3 * e[:-1]
-    assert not whiteness(e / e.std()).is_white

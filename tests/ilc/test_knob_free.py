@@ -8,9 +8,7 @@ import pytest
 from armside.ilc import ZeroPhaseButterworth, learn
 from armside.ilc.identification.friction import FRACTIONS, Friction, friction, stops
 from armside.ilc.identification.impulse_response import (
-    Sums,
     correlation_time,
-    impulse_response,
 )
 from armside.ilc.laws.knob_free import KnobFree
 from armside.ilc.models.linear_plant import LinearPlant
@@ -21,33 +19,6 @@ from armside.ilc.models.two_mass import TwoMassLoop
 from .signals import ARX, T_S, bump, error_norms
 
 LAW = KnobFree(Q=ZeroPhaseButterworth(25.0, T_S))
-
-
-def noisy(n_samples: int, noise: float, seed: int = 0):
-    rng = np.random.default_rng(seed)
-    u = rng.standard_normal((n_samples, 2))
-    return u, ARX.simulate(u) + noise * rng.standard_normal(u.shape)
-
-
-def test_the_impulse_response_lies_within_its_uncertainty():
-    truth = ARX.impulse(40)
-    inside = []
-    for seed in range(20):
-        found = impulse_response(Sums.none(40).with_records(*noisy(300, 0.2, seed)))
-        inside.append(abs(found.taps - truth) <= 1.96 * np.sqrt(np.diag(found.covariance)))
-    assert 0.90 <= np.mean(inside) <= 0.99
-
-
-def test_without_noise_the_impulse_response_is_exact():
-    u, y = noisy(200, 0.0)
-    found = impulse_response(Sums.none(40).with_records(u, y))
-    np.testing.assert_allclose(found.taps, ARX.impulse(40), atol=1e-5)
-    np.testing.assert_allclose(found.simulate(u), y, atol=1e-4)
-
-
-def test_records_without_input_have_no_impulse_response():
-    with pytest.raises(ValueError, match="input and output are not zero"):
-        impulse_response(Sums.none(5).with_records(np.zeros((9, 1)), np.ones((9, 1))))
 
 
 def test_white_noise_has_a_correlation_time_of_one_sample_and_a_low_pass_more():
@@ -187,21 +158,3 @@ def test_a_motor_that_does_not_move_has_no_friction():
     found = friction(still, [(0 * still, 0.1 * still)])
     assert held_by(found)[1] == 0.0
     assert np.isfinite(found.as_correction(still)).all()
-
-
-@pytest.mark.parametrize("runs", [[], [(DIP, DIP[:-1])]])
-def test_runs_of_another_length_are_refused(runs):
-    with pytest.raises(ValueError, match=r"records of shape \(300, 2\), one or more"):
-        friction(DIP, runs)
-
-
-@pytest.mark.parametrize("hostile", [np.full_like(DIP, np.nan), DIP.astype(complex), DIP[:, 0]])
-def test_a_record_that_is_none_is_refused(hostile):
-    for run in ((hostile, DIP), (DIP, hostile)):
-        with pytest.raises(ValueError, match=r"must be|must have shape"):
-            friction(DIP, [run])
-
-
-def test_a_reference_of_another_shape_is_refused():
-    with pytest.raises(ValueError, match=r"reference has shape \(300, 2\), the record has"):
-        KnobFree(Q=Q, reference=DIP).check(200, 2)

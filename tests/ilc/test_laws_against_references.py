@@ -132,11 +132,6 @@ def test_the_reference_filter_stays_as_designed_when_the_joint_differs():
 # Systems and measures
 
 
-@pytest.mark.parametrize(("pole", "stable"), [(0.999, True), (1.0, False), (-1.0, False)])
-def test_a_pole_on_the_unit_circle_is_not_stable(pole, stable):
-    assert System(np.ones(1), np.array([1.0, -pole]), STEP).is_stable is stable
-
-
 @pytest.mark.parametrize("n", [196, 197])
 def test_ripple_over_all_frequencies_is_the_standard_deviation_of_the_radius(n):
     """Parseval, for even and odd numbers of samples."""

@@ -46,11 +46,6 @@ def test_normalising_divides_by_the_worst_motor_of_all_experiments_without_learn
     np.testing.assert_allclose(normalise(measure, all_k0), measure / 4.0)
 
 
-def test_normalising_by_no_error_is_refused():
-    with pytest.raises(ValueError, match="largest error without learning"):
-        normalise(1.0, [0.0, 0.0])
-
-
 def test_repeatability_is_the_largest_difference_over_the_best_error():
     first = np.array([[0.0, 1.0], [2.0, 1.0]])
     second = np.array([[0.5, 1.0], [2.0, 0.8]])
@@ -92,29 +87,6 @@ def test_deviation_out_of_a_given_plane_does_not_count():
     flat = circle_points([0.0, 0, 0], [0, 0, 1], 5e-3)
     lifted = flat + np.outer(1e-3 * np.sin(3 * np.linspace(0, 6, len(flat))), [0, 0, 1])
     assert circle_rms(fit_circle(lifted, [0, 0, 1]).radii, 5e-3) < 1e-9
-
-
-def test_the_centre_minimises_the_radial_residual():
-    rng = np.random.default_rng(4)
-    flat = circle_points([0.0, 0, 0], [0, 0, 1], 5e-3) + rng.normal(0, 2e-4, (400, 3)) * [1, 1, 0]
-    circle = fit_circle(flat, [0, 0, 1])
-    best = np.std(circle.radii)
-    for offset in rng.normal(0, 1e-5, (20, 2)):
-        assert np.std(np.hypot(*(circle.in_plane - offset).T)) >= best
-
-
-@pytest.mark.parametrize(
-    ("points", "message"),
-    [
-        (np.zeros((2, 3)), "M >= 3"),
-        (np.outer(np.arange(5.0), [1, 2, 3]), "one line"),
-        (1.7 + np.outer(np.linspace(0.0, 0.3, 99), [0.1, 0.7, 0.3]), "one line"),
-        (np.full((5, 3), np.nan), "5 of 5 are not"),
-    ],
-)
-def test_points_without_a_circle_are_refused(points, message):
-    with pytest.raises(ValueError, match=message):
-        fit_circle(points)
 
 
 def turn(centre, radius, span=2.0 * np.pi, n=60, first=0.3):
@@ -159,13 +131,6 @@ def test_a_point_on_the_centre_is_no_hole_in_the_fit(n):
     found = np.square(residuals(centre, points)).sum()
     assert found < np.square(residuals(np.array([1.0, 2.0]), points)).sum()
     assert found <= smallest(points) * (1.0 + 1e-6)
-
-
-def test_a_path_and_its_moved_copy_have_the_same_centre():
-    points = turn((0.0, 0.0), 0.005) + 1e-4 * np.random.default_rng(3).standard_normal((60, 2))
-    shift = np.array([1.3, -0.7])
-    moved = circle_centre(points + shift) - shift
-    assert moved == pytest.approx(circle_centre(points), abs=1e-12)
 
 
 @pytest.mark.parametrize("bend", [0.0, 1e-7])
@@ -229,10 +194,3 @@ def test_missing_positions_leave_no_measure():
     runs[0, 1] = np.nan
     assert np.isnan(path_accuracy(np.zeros((3, 2)), runs))
     assert np.isnan(path_repeatability(runs))
-
-
-def test_bad_runs_are_named():
-    with pytest.raises(ValueError, match="two runs or more, got 1"):
-        path_repeatability(np.zeros((1, 3, 2)))
-    with pytest.raises(ValueError, match="shape"):
-        path_accuracy(np.zeros((3, 2)), np.zeros((3, 2)))

@@ -23,7 +23,6 @@ from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 
 N, T_S = 30, 0.01
-SERVO = System([0.0, 0.3, 0.2, 0.1], [1.0], T_S)
 SLOW = System([0.0, 0.3], [1.0, -0.7], T_S)
 LOW = ZeroPhaseButterworth(10.0, T_S)
 
@@ -144,27 +143,6 @@ def test_an_error_of_other_columns_is_not_spread_over_the_motors():
     law = FirstOrder(L=PType(gamma=0.5))
     with pytest.raises(ValueError, match="one shape"):
         law(np.zeros((N, 2)), np.ones((N, 1)))
-
-
-def test_what_a_model_has_not_is_said(rng):
-    varying, wide = models(rng)
-    Q = ZeroPhaseButterworth((5.0, 20.0), T_S)
-    for needs_response in (
-        lambda: heuristic_criterion(varying, 0.5, 1, LOW),
-        lambda: eigenloci(varying, 0.5, 1, LOW),
-        lambda: asymptotic_error(np.ones((N, 1)), varying, PType(), LOW),
-        lambda: ModelInverse(T_u=varying, learned=LOW),
-        lambda: h_infinity(varying, LOW),
-    ):
-        with pytest.raises(ValueError, match="time-invariant"):
-            needs_response()
-    for needs_square in (heuristic_criterion, eigenloci):
-        with pytest.raises(ValueError, match="as many outputs as inputs"):
-            needs_square(wide, 0.5, 1, LOW)
-        with pytest.raises(ValueError, match="several cutoffs"):
-            needs_square(SLOW, 0.5, 1, Q)
-    with pytest.raises(ValueError, match="one input and one output, got 3 and 2"):
-        h_infinity(wide, LOW)
 
 
 class WrongAdjoint:

@@ -19,7 +19,6 @@ from armside.ilc.identification.structures import (
     validation_error,
 )
 from armside.ilc.identification.subspace import (
-    bootstrap_response_deviation,
     fit_subspace,
     rank_subspace_orders,
 )
@@ -192,7 +191,7 @@ TRUE = InnovationsForm(
 def noisy_record(rng, n=800, noise=1.0):
     u = rng.standard_normal((n, 2))
     e = noise * rng.standard_normal((n, 3)) @ np.linalg.cholesky(TRUE.S).T
-    return u, TRUE.simulate(u) + states(TRUE.A, e @ TRUE.K.T) @ TRUE.C.T + e
+    return u, TRUE.system.simulate(u) + states(TRUE.A, e @ TRUE.K.T) @ TRUE.C.T + e
 
 
 def test_without_noise_the_response_is_exact():
@@ -204,7 +203,7 @@ def test_without_noise_the_response_is_exact():
 
 def test_the_realisation_of_an_impulse_is_that_of_python_control():
     """Eigensystem realisation of the same impulse response, by another program."""
-    impulse = np.stack([TRUE.simulate(np.eye(60, 1) * unit) for unit in np.eye(2)], axis=2)
+    impulse = np.stack([TRUE.system.simulate(np.eye(60, 1) * unit) for unit in np.eye(2)], axis=2)
     theirs, _ = control.eigensys_realization(impulse.transpose(1, 2, 0), 4, dt=True)
     expected = theirs(np.exp(1j * OMEGA)).transpose(2, 0, 1)
     ours = fit_subspace(*noisy_record(np.random.default_rng(1), 300, 0.0), T_S, 4, feedthrough=True)
@@ -241,15 +240,6 @@ def test_what_the_inputs_explain_of_the_innovations_is_said():
     assert 0.1 < np.median([each.independence or 0.0 for each in right]) <= 1.0
 
 
-def test_bootstrapped_deviations_are_the_scatter_of_repeated_fits():
-    rng = np.random.default_rng(4)
-    fits = [fit_subspace(*noisy_record(rng, 400), T_S, 4, feedthrough=True) for _ in range(30)]
-    scatter = np.std([np.abs(fit.model.response(OMEGA)) for fit in fits], axis=0, ddof=1)
-    u, _ = noisy_record(rng, 400)
-    said = bootstrap_response_deviation(fits[0], u, OMEGA, rng, repeats=30)
-    assert np.median(said / scatter) == pytest.approx(1.0, abs=0.15)
-
-
 def test_the_band_that_is_drawn_holds_the_true_response_at_its_rate():
     """Magnitudes at 8 frequencies, 6 entries, 12 records; 95 % as `identify-plant` draws them."""
     rng, inside = np.random.default_rng(9), []
@@ -278,7 +268,7 @@ def test_a_model_that_is_not_stable_is_found_and_said():
         A=1.02 * one, B=one, C=one, D=0.0 * one, K=0.0 * one, S=one, sample_time=T_S
     )
     u = np.random.default_rng(7).standard_normal((200, 1))
-    fit = fit_subspace(u, growing.simulate(u), T_S, 1)
+    fit = fit_subspace(u, growing.system.simulate(u), T_S, 1)
     assert fit.model.poles == pytest.approx([1.02])
     assert [text for text in fit.warnings if "the model is not stable" in text]
 

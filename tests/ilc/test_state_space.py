@@ -14,13 +14,11 @@ from armside.ilc.laws.norm_optimal import NormOptimal
 from armside.ilc.laws.quadratic import QuadraticCriterion
 from armside.ilc.models.conversion import as_state_space
 from armside.ilc.models.file import MOST_STATES, read_model, write_model
-from armside.ilc.models.linear_plant import LinearPlant
 from armside.ilc.models.state_space import StateSpace, TimeVarying
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 
 from .random_cases import T_S, random_matrix
-from .signals import bump, error_norms
 
 OMEGA = np.array([0.0, 0.01, 0.4, 2.0, np.pi])
 
@@ -63,25 +61,6 @@ def test_a_model_that_is_not_square_is_written_and_refused_as_a_plant(tmp_path):
     write_model(file, StateSpace(np.eye(1) / 2, np.ones((1, 2)), np.ones((1, 1))))
     with pytest.raises(ValueError, match="as many outputs as inputs are needed, got 1 and 2"):
         read_model(file)
-
-
-def test_a_plant_that_varies_along_the_record_is_learned():
-    reference = bump(200, 2)
-    T_u = varying(200)
-    plant = LinearPlant(T_u=T_u, reference=reference)
-    np.testing.assert_allclose(plant.run(0.0 * reference), T_u.simulate(reference))
-    norms = error_norms(plant, NormOptimal(T_u=T_u, n_samples=200), reference, 3)
-    assert norms[-1] < 1e-3 * norms[0]
-
-
-def test_a_plant_along_another_record_is_refused_in_one_line():
-    plant = LinearPlant(T_u=varying(150), reference=bump(200, 2))
-    with pytest.raises(ValueError, match="T_u covers 150 samples, the record 200"):
-        plant.run(np.zeros((200, 2)))
-    with pytest.raises(ValueError, match="direct term C needs a T_u with one input"):
-        LinearPlant(T_u=varying(200), reference=bump(200, 2), C=System(np.ones(1), np.ones(1), T_S))
-    with pytest.raises(ValueError, match="T_u must be a model with"):
-        LinearPlant(T_u=object(), reference=bump(200))  # pyright: ignore[reportArgumentType]
 
 
 def test_response_and_asymptotic_error_are_those_of_the_matrix_of_systems():
@@ -141,18 +120,3 @@ def test_a_model_of_ones_own_learns_by_its_products_or_is_refused():
     weights[7] = 0.0
     with pytest.raises(ValueError, match="whose sum is > 0"):
         NormOptimal(T_u=Own(), n_samples=50, criterion=QuadraticCriterion(change=weights))
-
-
-def test_plants_that_do_not_fit_are_refused():
-    A, B, C = np.array([[0.5]]), np.ones((1, 2)), np.ones((1, 1))
-    with pytest.raises(ValueError, match=r"do not fit each other: .* needed are \(n, n\)"):
-        StateSpace(A, B.T, C)
-    with pytest.raises(ValueError, match="unstable"):
-        NormOptimal(T_u=StateSpace(2.5 * A, B, C), n_samples=50)
-    varying = TimeVarying(*(np.repeat(M[None], 40, axis=0) for M in (A, B, C)))
-    with pytest.raises(ValueError, match="T_u covers 40 samples, the record 50"):
-        NormOptimal(T_u=varying, n_samples=50)
-    with pytest.raises(ValueError, match="T_u has 2 inputs, the record 1"):
-        StateSpace(A, B, C).simulate(np.ones((9, 1)))
-    with pytest.raises(ValueError, match="needs a sample_time"):
-        as_state_space(control.rss(2, 1, 1))

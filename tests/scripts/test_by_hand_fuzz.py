@@ -29,9 +29,10 @@ def whole(tmp_path_factory):
     folder = tmp_path_factory.mktemp("hand")
     write_signal(folder / "reference.csv", np.linspace(0.0, 1.0, N)[:, np.newaxis], T, "r")
     for k in range(RUNS):
-        state = Session.begin(cfg(folder)).advance()
+        session = Session.begin(cfg(folder))
+        session.advance()
         u = read_signal(folder / f"u_{k}.csv").values
-        write_signal(folder / f"y_{k}.csv", 0.8 * (state.reference + u), T, "y")
+        write_signal(folder / f"y_{k}.csv", 0.8 * (session.reference + u), T, "y")
     return folder
 
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import expm
 from scipy.stats import chi2
 
-from armside.ilc.estimation.consistency import bounds, normalised_squared, whiteness
+from armside.ilc.estimation.consistency import bounds, whiteness
 from armside.ilc.estimation.kalman import Smoother, SteadyStateFilter
 from armside.ilc.estimation.process import (
     Process,
@@ -97,22 +97,6 @@ def test_a_constant_without_noise_has_no_steady_gain():
     one = np.ones((1, 1))
     with pytest.raises(RuntimeError, match="has no steady state"):
         steady_state_covariance(Process(A=one, Q=0.0 * one, C=one, R=one))
-
-
-def test_smoothing_beats_filtering_and_both_are_consistent(process, record):
-    x, y = record
-    smoother = Smoother(process, steady_state_covariance(process), np.ones(len(y), dtype=bool))
-    result = smoother(y)
-    filtered, smoothed = result.filtered - x, result.smoothed - x
-    assert np.square(smoothed).sum() < 0.8 * np.square(filtered).sum()
-    # Errors of neighbours are correlated: every 50th sample counts.
-    for error, P in (
-        (filtered, smoother.filtered_covariance),
-        (smoothed, smoother.smoothed_covariance),
-    ):
-        nees = normalised_squared(error[100:-100:50], P[100:-100:50])
-        low, high = bounds(len(nees), 2, confidence=0.99)
-        assert low < nees.mean() < high
 
 
 def test_innovations_of_a_right_model_are_white_and_of_a_wrong_one_are_not(process, record):

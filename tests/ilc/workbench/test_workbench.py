@@ -19,7 +19,7 @@ from armside.ilc.workbench.own import OwnCodeError
 from armside.ilc.workbench.plants import Record, joint, model_task, own_plant
 from armside.ilc.workbench.signals import named_reference, read_signal, write_signal
 from armside.ilc.workbench.task import Task, along_path
-from armside.ilc.workbench.words import Words
+from armside.ilc.workbench.words import Words, guessed
 
 OWN = '''
 import numpy as np
@@ -255,3 +255,16 @@ def test_a_law_that_identifies_goes_on_from_its_file_as_if_it_had_not_stopped(la
     assert save_states(tmp_path / "state.npz", {"x": half.state}) == []
     rest = run_law(lag, "knob-free", 2, resume=read_states(tmp_path / "state.npz")["x"])
     np.testing.assert_array_equal(np.concatenate((half.norms, rest.norms)), whole.norms)
+
+
+def test_a_correction_learned_at_rest_is_that_of_its_end_of_the_rest():
+    """Before the path the last sample of the rest counts, on it the first."""
+    correction, place = np.arange(1.0, 7.0)[:, None], np.array([0.0, 0.0, 1.0, 1.0, 2.0, 2.0])
+    found = along_path(correction, place, np.array([-1.0, 0.0, 0.5, 1.0, 2.0, 3.0]))
+    np.testing.assert_array_equal(found[:, 0], [2.0, 2.0, 2.5, 3.0, 5.0, 5.0])
+
+
+def test_words_without_a_type_are_whole_numbers_numbers_or_text():
+    found = guessed({"delta": "5", "gain": "0.9", "small": "1e-3", "name": "5 Hz"})
+    assert found == {"delta": 5, "gain": 0.9, "small": 0.001, "name": "5 Hz"}
+    assert [type(value) for value in found.values()] == [int, float, float, str]
