@@ -13,7 +13,7 @@ import pytest
 
 from armside import assets
 from armside.scripts.cli import main
-from armside.scripts.commands.serve import _of_time, _row, _told
+from armside.scripts.commands.serve import _row, _told
 
 SERVE = [sys.executable, "-m", "armside.scripts.cli", "serve"]
 
@@ -120,10 +120,3 @@ def test_a_run_is_counted_in_seconds_and_radians_of_the_arm_side():
     guided, programmed = (_row(run, 3, of) for of in (True, False))
     assert guided == {"seconds": pytest.approx(1.0), "missed": 3, "motor_rms": pytest.approx(2e-3)}
     assert programmed["motor_rms"] == pytest.approx(1e-3)
-
-
-def test_the_latest_cycle_is_printed_in_milliseconds():
-    server = SimpleNamespace(late=3, longest=2.651e-3, prioritised=True)
-    assert _of_time(server).endswith(
-        "3 answers came after their cycle or twice; cycles began at most 2.7 ms late"
-    )

@@ -10,7 +10,7 @@ from armside.sim.imu import ImuExperiment, RestExperiment, run_rest
 from armside.sim.imu.compensation import GRAVITY, calibrate
 from armside.sim.imu.imu_experiment import sense
 from armside.sim.imu.phases import Evaluation, ImuRun, measure
-from armside.sim.imu.vibration import SEGMENT, at_rest, power_spectrum
+from armside.sim.imu.vibration import at_rest, power_spectrum
 from armside.sim.instruments.imu import ImuCfg, ImuSamples, draw
 from armside.sim.robot.virtual_robot import VirtualRobot
 
@@ -145,10 +145,3 @@ def test_an_offset_of_a_sensor_that_never_rotates_is_divided_as_the_prior_says(o
     assert found.accelerometer_bias[0] == pytest.approx(expected, rel=0.02)
     leaked = found.R_site_imu.T @ force[0]
     assert leaked[0] == pytest.approx(offset - expected, rel=0.02)
-
-
-def test_a_spectrum_needs_one_whole_segment():
-    n = round(SEGMENT * RATE)
-    assert len(power_spectrum(np.ones((n, 1)), RATE)[0]) == n // 2 + 1
-    with pytest.raises(ValueError, match=f"needs {SEGMENT:g} s of samples, got"):
-        power_spectrum(np.ones((n - 1, 1)), RATE)

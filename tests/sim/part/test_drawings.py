@@ -8,7 +8,7 @@ from ezdxf import units
 
 from armside.sim.part.arcs import Chain
 from armside.sim.part.curve import Kind
-from armside.sim.part.drawing import Joined, Reading, Unit
+from armside.sim.part.drawing import DrawnChain, Reading, Unit
 from armside.sim.part.part import part_of, read_part
 
 from .drawings import bracket, flange, frame, new, save
@@ -223,7 +223,7 @@ def test_a_bad_drawing_is_refused_in_one_line_with_its_place(case, tmp_path):
 
 def test_a_drawing_without_a_closed_contour_says_how_far_its_ends_are_apart():
     points = np.array([[0.02, 0.01], [0.04, 0.01], [0.04, 0.02], [0.02, 0.0103]])
-    chain = Joined(Chain(points, np.zeros(3)), ("LINE #1",), "")
+    chain = DrawnChain(Chain(points, np.zeros(3)), "LINE #1", "")
     said = r"LINE #1 ends 0\.3 mm apart at \(20, 10\) mm and \(20, 10\.3\) mm"
     with pytest.raises(ValueError, match=f"no contour is closed; {said}"):
         part_of([chain])
