@@ -122,7 +122,10 @@ def fit_of_each(system: System, u: Array, y: Array) -> Array:
 
 
 def _fit(system: System | StateSpace, u: Array, y: Array, axis: int | None) -> Array:
-    error = np.linalg.norm(y - system.simulate(u), axis=axis)
+    simulated = system.simulate(u)
+    if simulated.shape != y.shape:
+        raise ValueError(f"y must have shape {simulated.shape}, got {y.shape}")
+    error = np.linalg.norm(y - simulated, axis=axis)
     return 1.0 - error / np.linalg.norm(y - y.mean(axis=0), axis=axis)
 
 

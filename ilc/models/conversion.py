@@ -14,11 +14,10 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..records import as_number
 from .blocks import Realisation
 from .peak import AllPassPhase
-from .state_space import StateSpace, matrices
-from .system import System, controller_form, state_space_to_system, zero_order_hold
+from .state_space import StateSpace
+from .system import System, controller_form, state_space_to_system
 from .system_matrix import SystemMatrix
 
 Matrices = tuple[Array, Array, Array, Array]
@@ -44,9 +43,7 @@ def as_state_space(model: Any, sample_time: float | None = None) -> StateSpace:
     if dt == 0.0:
         if sample_time is None:
             raise ValueError("a model in continuous time needs a sample_time")
-        as_number(sample_time, "sample_time", 0.0)
-        A, B, C, D = matrices(*known, dimensions=2)
-        return StateSpace(*zero_order_hold(A, B, sample_time), C, D, sample_time)
+        return StateSpace.from_continuous(*known, sample_time)
     if sample_time is not None and not np.isclose(dt, sample_time, rtol=1e-9):
         raise ValueError(f"the model has a sample time of {dt:g} s, got {sample_time:g} s")
     return StateSpace(*known, dt)

@@ -18,7 +18,7 @@ from armside.arrays import Array
 
 from ..records import as_number, as_real, records
 from .blocks import Realisation, filtered
-from .system import Complex, unit_circle
+from .system import Complex, unit_circle, zero_order_hold
 
 _CONDITIONED = 1e4
 """Condition of the eigenvectors up to which recursions run in modes: four digits of sixteen."""
@@ -116,6 +116,15 @@ class StateSpace(_Matrices):
         as_number(self.sample_time, "sample_time", 0.0)
         self._hold(2)
 
+    @classmethod
+    def from_continuous(
+        cls, A: ArrayLike, B: ArrayLike, C: ArrayLike, D: ArrayLike | None, sample_time: float
+    ) -> "StateSpace":
+        """From x' = A x + B u, y = C x + D u with u held over each sample (zero-order hold)."""
+        as_number(sample_time, "sample_time", 0.0)
+        known = matrices(A, B, C, D, dimensions=2)
+        return cls(*zero_order_hold(known[0], known[1], sample_time), *known[2:], sample_time)
+
     @property
     def poles(self) -> Complex:
         """Eigenvalues of A."""
@@ -128,6 +137,10 @@ class StateSpace(_Matrices):
     def is_stable(self) -> bool:
         """All eigenvalues of A, as they are computed, are inside the unit circle."""
         return bool((np.abs(self.poles) < 1.0).all())
+
+    @property
+    def transposed(self) -> "StateSpace":
+        return StateSpace(self.A.T, self.C.T, self.B.T, self.feedthrough.T, self.sample_time)
 
     @cached_property
     def realisation(self) -> Realisation:

@@ -69,6 +69,11 @@ class Setting:
         return found.gamma, found.delta
 
 
+def _nothing(*_: Any) -> Any:
+    """No measures, generators, conditions or connections: a default that can be pickled."""
+    return {}
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Task:
     """Plant of a comparison. `start` makes it anew for each law, in the same initial state."""
@@ -82,9 +87,9 @@ class Task:
     """The plant of a repetition: the same parameters, other noise. Has `run(correction)`."""
     output_of: Callable[[Any], Any] = np.asarray
     """y, shape (N, n), from what the plant returns."""
-    measures_of: Callable[[Any], Mapping[str, float]] = lambda result: {}
+    measures_of: Callable[[Any], Mapping[str, float]] = _nothing
     """More measures of a run by name, such as the error of the arm."""
-    generators_of: Callable[[Any], Sequence[np.random.Generator]] = lambda plant: ()
+    generators_of: Callable[[Any], Sequence[np.random.Generator]] = _nothing
     """Sources of noise in a plant, whose state an interrupted experiment needs."""
     model: Model | None = None
     """Assumed T_u; None: unknown."""
@@ -97,9 +102,9 @@ class Task:
     design: tuple[float, int] | None = None
     """Default gamma and delta; None: proposed for the model."""
 
-    check: Callable[[Array], None] = lambda correction: None
+    check: Callable[[Array], Any] = _nothing
     """Raises ValueError for a correction (N, n) that the plant would not take."""
-    close: Callable[[], None] = lambda: None
+    close: Callable[[], Any] = _nothing
     """Gives back what the plant holds, such as a connection."""
 
     def __post_init__(self) -> None:

@@ -129,8 +129,7 @@ def urdf(
     ]
     bounds = ranges(robot, limits) if limits else [(-math.pi, math.pi)] * len(found)
     speeds = limits.speed if limits else [_UNLIMITED] * len(found)
-    for number, segment in enumerate(found, 1):
-        low, up = bounds[number - 1]
+    for number, (segment, (low, up)) in enumerate(zip(found, bounds, strict=True), 1):
         moves = [
             '    <axis xyz="0 0 1"/>',
             f'    <limit lower="{low!r}" upper="{up!r}" velocity="{speeds[number - 1]!r}" '

@@ -33,7 +33,10 @@ def jacobian(robot: Robot, frame: int | None = None, axes: int = 0) -> StraightL
     tape = Tape()
     chain = _chain(robot, tape, frame)
     out = _motor_jacobian(robot, chain, tape, _chain(robot, tape, axes).rotation)
-    return tape.program("jacobian", motor_inputs(robot, "phi"), [out], notes(robot))
+    lines = notes(robot)
+    if frame is not None:
+        lines = (*lines, f"J: of the origin of frame {frame}, in the axes of frame {axes}")
+    return tape.program("jacobian", motor_inputs(robot, "phi"), [out], lines)
 
 
 @separated

@@ -20,6 +20,7 @@ from .links_and_joints import WHOLE_TURN, Document, Fault, Inertial, Kind, UrdfJ
 _HUGE = 1e6  # greatest number that is accepted, in any unit
 ORIGIN, X_AXIS = np.zeros(3), np.array([1.0, 0.0, 0.0])
 """Values of attributes that are not there."""
+ORIGIN.flags.writeable = X_AXIS.flags.writeable = False
 
 
 def transform(where: str, element: Element) -> Array:

@@ -181,8 +181,11 @@ def _export_correction(report: Report, run: Path, cfg: ExportCfg, common: Common
     found |= {"k": stored.k, "law": stored.law, "rate": rate, "samples": len(joints)}
     found["notes"] = notes = [*beyond, *notes]
     line = f"{file}: {len(joints)} samples of {names} at {rate:g} Hz, k = {stored.k}"
+    outcome = summary("export", cfg, common, **found)
+    report.keep(outcome)
     report.notes(notes)
-    report.kept(summary("export", cfg, common, **found), line)
+    report.line(line)
+    report.summary(outcome)
 
 
 def _export_program(report: Report, run: Path, into: Path, cfg: ExportCfg, common: Common) -> None:
@@ -217,9 +220,11 @@ def _export_program(report: Report, run: Path, into: Path, cfg: ExportCfg, commo
         write_bytes(each, text.content.encode("latin-1"))
     found = {key: value for key, value in vars(made).items() if key != "texts"}
     found["notes"] = notes = [*beyond, *notes]
-    report.notes(notes)
     outcome = summary("export", cfg, common, run=run, written=file, **found)
-    report.kept(outcome, f"{file}: {made.changed} of {made.targets} targets changed", made.line)
+    report.keep(outcome)
+    report.notes(notes)
+    report.lines([f"{file}: {made.changed} of {made.targets} targets changed", made.line])
+    report.summary(outcome)
 
 
 def _cell(cfg: ExportCfg, stored: StoredCorrection) -> "Cell | None":

@@ -99,9 +99,10 @@ def measure(file: Path, /, *, cfg: MeasureCfg = MeasureCfg(), common: Common = C
                 rows = measure_table(read, ratios, curve, limits)
                 said = notes_of_table(read)
     outcome = summary("measure", cfg, common, file=file, iterations=rows, notes=said)
+    report.keep(outcome)
     report.notes(said)
     show(report, rows)
-    report.kept(outcome)
+    report.summary(outcome)
 
 
 def show(report: Report, rows: Sequence[IterationMeasures]) -> None:

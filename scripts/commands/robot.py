@@ -139,11 +139,12 @@ def _check(named: str, model: Path | None, report: Report, common: Common) -> No
     examined = Examination(loaded, cell)
     checks, found = examined.checks(), numbers(examined)
     found["checks"] = [asdict(check) | {"holds": check.holds} for check in checks]
-    print_check(report, found, checks)
     failed = [check for check in checks if not check.holds]
-    found["status"] = "failed" if failed else "done"
     outcome = _summary("check", named, model, common, found)
-    report.kept(outcome)
+    outcome["status"] = "failed" if failed else "done"
+    report.keep(outcome)
+    print_check(report, found, checks)
+    report.summary(outcome)
     if failed:
         fail = ", ".join(f"{check.statement} is {check.ours:.4g}" for check in failed)
         axis = examined.first_axis

@@ -96,13 +96,15 @@ def sweep(*axes: Axes, cfg: SweepCfg = SweepCfg(), common: Common = Common()) ->
     found = {"configurations": len(points), "outcomes": outcomes}
     found["notes"] = [{"text": note, "configurations": n_noted}] if n_noted else []
     outcome = summary("sweep", asked, common, status=status, **found)
+    report.keep(outcome)
     if len(points) < len(grid):
         report.line(f"{len(grid)} combinations, of which {len(points)} are different")
     counted = ", ".join(f"{n} {status}" for status, n in outcomes.items())
     report.line(f"{len(points)} configurations: {counted}")
     if n_noted:
         report.line(f"Note: limits changed {n_noted} of them (column notes), mostly: {note}")
-    report.kept(outcome, f"Results in {rows.folder}/part-0.parquet")
+    report.line(f"Results in {rows.folder}/part-0.parquet")
+    report.summary(outcome)
     if error is not None:
         raise RunFailed(
             f"{n_failed} of {len(points)} configurations failed, the first with {error} "

@@ -115,7 +115,8 @@ def tables(report: Report, outcome: dict[str, Any]) -> None:
         if (tool := one["tool"]) is not None:
             cells[3:8] = [tool["pooled"], one["sham_tool"]["pooled"], *map(float, tool["ratio"])]
             cells[8] = None if one["smoothed"] is None else one["smoothed"]["pooled"]
-        judged.append([round(cell, 3) if isinstance(cell, float) else cell for cell in cells])
+            cells = [round(cell, 3) if isinstance(cell, float) else cell for cell in cells]
+        judged.append(cells)
     report.table(
         f"Judged on what was not learned from: RMS with over without, {outcome['sensor']}, tool",
         ["recording", "sensor", "sham", "tool", "sham", "x", "y", "z", "+ IMU"],

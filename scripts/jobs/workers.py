@@ -58,7 +58,9 @@ class Workers:
 
     def __init__(self, count: int | None = None) -> None:
         """count: number of processes, all cores if None."""
-        self.count = count or cores()
+        self.count = cores() if count is None else count
+        if self.count < 1:
+            raise ValueError(f"workers must be >= 1, got {self.count}")
         self._pool: ProcessPoolExecutor | None = None
 
     def __enter__(self) -> "Workers":

@@ -98,12 +98,16 @@ class Report:
         self.line(f"Results in {path}")
         self.summary(summary)
 
-    def kept(self, summary: dict[str, Any], *texts: object) -> None:
-        """The end of a command that writes no other files: lines, and the summary into `--out` and
-        for `--json`, where they are given."""
+    def keep(self, summary: dict[str, Any]) -> None:
+        """The summary in the folder `--out`, if one is given, before a reader of stdout leaves."""
         if self.common.out is not None:
             with run_folder(summary, self.common):
                 pass
+
+    def kept(self, summary: dict[str, Any], *texts: object) -> None:
+        """The end of a command that writes no other files: the summary into `--out`, lines, and the
+        summary for `--json`."""
+        self.keep(summary)
         self.lines(texts)
         self.summary(summary)
 

@@ -32,6 +32,8 @@ class Udp:
 
     def __init__(self, wire: Wire, address: Address, patience: float) -> None:
         self.additive, self._wire, self._patience = wire.additive, wire, patience
+        self.wrong = 0
+        """Datagrams that were no messages."""
         self._controller: Address | None = None
         self._udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
@@ -82,6 +84,7 @@ class Udp:
             except BlockingIOError:
                 return None
             except (WireError, ConnectionError):
+                self.wrong += 1
                 continue
             self._controller = sender
             return state

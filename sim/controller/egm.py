@@ -86,10 +86,10 @@ class EgmWire:
         return message.SerializeToString()
 
     def decode_answer(self, datagram: bytes, to: State) -> Answer | None:
-        """Answer in an EgmSensor; None for one that came before.
+        """Answer in an EgmSensor; None for one that came before. Raises WireError otherwise.
 
-        A client that repeats the time stamp of a message, which EGM does not ask for, is held to
-        it.
+        A client that repeats the time stamp of a message in its own header, which EGM does not ask
+        for, is held to it: its answer to an earlier message is late.
         """
         message = self._parsed(self._sensor, datagram)
         if not message.HasField("header"):

@@ -23,8 +23,11 @@ that are real-time themselves."""
 
 @contextmanager
 def real_time() -> Iterator[bool]:
-    """This thread before all ordinary ones, where the system allows it, and without Python's
-    collection of garbage, which takes up to a cycle: call `gc.collect` between runs."""
+    """This thread before all ordinary ones: yields whether the system allows it.
+
+    Python's garbage collector is off, as it takes up to a cycle: call `gc.collect` between runs.
+    Both are as before at the end.
+    """
     collecting, before = gc.isenabled(), None
     gc.collect()
     gc.disable()
@@ -121,7 +124,7 @@ class Server:
 
     def _overdue(self, udp: socket.socket) -> Answer | None:
         """Counts answers that came after their cycle; the newest serves the next one, if it is
-        absolute."""
+        absolute. Corrections belong to their place on the path, and are not used later."""
         datagrams = self._received(udp)
         if not self.real_time or self._before is None:
             self.late += len(datagrams)

@@ -50,11 +50,11 @@ class Calibration:
 MOUNTING = np.deg2rad(1.0)
 ACCELEROMETER_BIAS = 0.02
 GYROSCOPE_BIAS = np.deg2rad(1.0)
-"""Standard deviations of mounting error and biases before the fit, SI. They weight the residual
-that a motion cannot separate into tilt and bias."""
+"""Standard deviations of mounting error [rad] and biases [m/s^2], [rad/s] before the fit. They
+weight the residual that a motion cannot separate into tilt and bias."""
 ACCELERATION = 0.1
 ANGULAR_VELOCITY = 0.02
-"""Of one reading about its prediction, SI: vibration more than noise."""
+"""Of one reading about its prediction [m/s^2], [rad/s]: vibration more than noise."""
 
 
 def calibrate(

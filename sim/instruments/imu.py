@@ -173,9 +173,11 @@ class Imu:
     def measure(
         self, time: Array, acceleration: Array, angular_velocity: Array, rng: np.random.Generator
     ) -> ImuSamples:
-        """Readings of a record of ideal specific force and rate (M, 3) in the frame of the site,
-        interpolated linearly at the unit's instants after the low-pass. time: (M,) [s], uniform,
-        robot time."""
+        """Readings of a record of ideal specific force [m/s^2] and rate [rad/s], (M, 3) in the
+        frame of the site, interpolated linearly at the unit's instants after the low-pass.
+
+        time: (M,) [s], uniform, robot time; fine enough for the bandwidths.
+        """
         step = 1.0 / rate_of(time)
         own_time, robot_time = self._instants(time)
         readings = []

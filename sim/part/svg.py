@@ -100,7 +100,10 @@ def _arc(segment: Any, matrix: Array) -> Chain | None:
 
 
 def _point(point: Any, matrix: Array) -> Array:
-    return matrix[:2, :2] @ [float(point.x), float(point.y)] + matrix[:2, 2]
+    where = float(point.x), float(point.y)
+    if not np.isfinite(where).all():
+        raise ValueError("it has a coordinate that is no number")
+    return matrix[:2, :2] @ where + matrix[:2, 2]
 
 
 def read_svg(file: Path, reading: Reading) -> Drawing:
@@ -180,7 +183,7 @@ def _drawn(leaf: Leaf, near: float) -> list[Chain]:
 def _out_of(clip: Clip, chain: Chain) -> Array | None:
     """A point of a chain outside of a viewport [m]."""
     points, size = chain.polygon(), np.array(clip[1])
-    inside, near = _within(clip, points), EDGE * size.max()
+    inside, near = _within(clip, points), EDGE * np.nanmax(size)
     out = ((inside < -near) | (inside > size + near)).any(axis=1)
     return points[int(out.argmax())] if out.any() else None
 

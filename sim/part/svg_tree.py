@@ -119,9 +119,10 @@ class Document:
         try:
             style = self._styles.computed(element, at.style)
             at = replace(at, style=style, matrix=at.matrix @ transform(element))
-            gone = HIDDEN if style["display"] == "none" and tag != "symbol" else ""
-            seen = opaque(style, "opacity")
-            at = replace(at, hidden=at.hidden or gone or ("" if seen else UNSEEN))
+            if style["display"] == "none" and tag != "symbol":
+                at = replace(at, hidden=at.hidden or HIDDEN)
+            if not opaque(style, "opacity"):
+                at = replace(at, hidden=at.hidden or UNSEEN)
             if changes := [name for name in CHANGES if style[name] not in ("none", "")]:
                 raise ValueError(f"it has a {changes[0]}: {CLIPPED}")
             if {"systemLanguage", "requiredExtensions"} & element.attrib.keys():

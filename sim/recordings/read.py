@@ -85,7 +85,11 @@ def _imu(file: Path) -> Stream | None:
 
 
 def read_poses(data: Path, topics: BagTopics = BagTopics()) -> PoseRecording:
-    """Poses of a table, a bag, or a published set. topics and errors: as of `read_motion`."""
+    """Poses of a table, a bag (`topics` are its own), or a published set.
+
+    Raises ValueError for data of no known form, or damaged, with file and place, and OSError for a
+    file that cannot be read.
+    """
     if not data.exists():
         raise ValueError(f"{data} does not exist")
     if is_bag(data):

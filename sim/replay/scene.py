@@ -128,8 +128,10 @@ def _layout(scene: Scene, factor: float, worst: float, starts: Array) -> Layout:
 
 @contextmanager
 def recording(path: Path, blueprint: rrb.Blueprint) -> Iterator[rr.RecordingStream]:
-    """Stream whose content becomes the file when the block ends without an error, such as
-    OSError."""
+    """Stream whose content becomes the file when the block ends without an error.
+
+    Raises OSError, such as on a full disk.
+    """
     stream = rr.RecordingStream("armside", send_properties=False)
     with atomic(path) as partial, _copied_to(partial) as pipe:
         try:

@@ -130,10 +130,8 @@ TEMPERATURES = (26.0, 80.0)
 
 
 def load_friction(load: Array, temperature: float) -> tuple[Array, Array, float, float]:
-    """Coulomb and static friction, as `load` over the peak torque; viscous [s/rad]; Stribeck speed.
-
-    temperature: [deg C], of the gear. The Stribeck speed is in [rad/s].
-    """
+    """Friction of a drive at a load, both relative to the peak torque: Coulomb and static, shape of
+    `load`; viscous [s/rad]; Stribeck speed [rad/s]. temperature: [deg C], of the gear."""
     load = np.abs(load)
     coulomb = _FC0 + _FCL * load
     static = coulomb + _FSL * load + _FS0 + _FST * temperature

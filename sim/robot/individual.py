@@ -288,7 +288,10 @@ def stiffen(mj: mujoco.MjModel, springs: Sequence[int], factor: ArrayLike) -> No
 
 
 def with_payload(model: RobotModel, mass: float) -> RobotModel:
-    """Robot model with a tool of that mass [kg], inertia in proportion, or ValueError."""
+    """Robot model with a tool of that mass [kg]: same centre of mass, inertia in proportion.
+
+    Raises ValueError for a negative mass, or a robot whose model has no body `tool` of its own.
+    """
     if not (np.isfinite(mass) and mass >= 0.0):
         raise ValueError(f"payload must be >= 0 kg, got {mass:g}")
     mj = copy.copy(model.mj)

@@ -44,7 +44,8 @@ class VirtualRobot:
     def __init__(
         self, model: RobotModel, *, nominal: Statics | None = None, log_period: float = LOG_PERIOD
     ) -> None:
-        """nominal: model of the torque feedforward; that of the robot itself if None."""
+        """nominal: model of the torque feedforward; that of the robot itself if None. log_period:
+        [s], a whole number of physics steps."""
         self.model = model
         self.log_period = log_period
         self._statics = Statics(model)

@@ -80,7 +80,7 @@ class IlcTuningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"Unknown render_mode {render_mode!r}. It can be: rgb_array")
         self.render_mode = render_mode
-        if picture not in PICTURES:
+        if picture not in list(PICTURES):
             known = ", ".join(PICTURES)
             raise ValueError(f"Unknown picture {picture!r}. It can be: {known}")
         self.picture = picture

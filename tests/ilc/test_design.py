@@ -13,7 +13,7 @@ from armside.ilc import Edge, Heuristic, learn
 from armside.ilc.analysis import LiftedIteration
 from armside.ilc.analysis.criterion import heuristic_criterion
 from armside.ilc.analysis.proposal import propose
-from armside.ilc.analysis.robustness import contraction, contraction_map, monte_carlo
+from armside.ilc.analysis.robustness import PARAMETERS, contraction, contraction_map, monte_carlo
 from armside.ilc.filters import ALL_PASS, ZeroPhaseButterworth, shift
 from armside.ilc.laws.first_order import Blend, DType, MatrixGain, PType
 from armside.ilc.laws.model_based import Beyond, ModelInverse
@@ -135,6 +135,21 @@ def test_the_map_holds_the_nominal_value_at_factor_one_and_shows_divergence_far_
     assert grid.shape == (3, 2)
     assert grid[1, 0] == pytest.approx(0.8142, abs=2e-3)
     assert grid[2, 1] > 1.0 > grid[0, 0]
+
+
+def test_joints_of_the_map_and_of_the_sample_are_those_of_their_parameters():
+    def of(**factors):
+        scaled = {name: getattr(LOOP.joint, name) * f for name, f in factors.items()}
+        other = replace(LOOP.joint, **scaled)
+        return contraction(replace(LOOP, joint=other, reference_model=LOOP.joint), CHAPTER_8)
+
+    grid = contraction_map(LOOP, CHAPTER_8, ("Jm", [0.5, 3.0]), ("k", [0.7, 5.0]))
+    assert grid[1, 0] == pytest.approx(of(Jm=3.0, k=0.7), rel=1e-12)
+    assert grid[0, 1] == pytest.approx(of(Jm=0.5, k=5.0), rel=1e-12)
+    assert abs(grid[1, 0] - grid[0, 1]) > 0.01
+    drawn = monte_carlo(LOOP, CHAPTER_8, 1.0, 3, np.random.default_rng(1))
+    each = [of(**dict(zip(PARAMETERS, row, strict=True))) for row in drawn.factors]
+    assert drawn.contraction == pytest.approx(each, rel=1e-12)
 
 
 def test_a_prediction_of_failure_is_growth_on_the_finite_record():

@@ -14,11 +14,13 @@ from armside.ilc.laws.norm_optimal import NormOptimal
 from armside.ilc.laws.quadratic import QuadraticCriterion
 from armside.ilc.models.conversion import as_state_space
 from armside.ilc.models.file import MOST_STATES, read_model, write_model
+from armside.ilc.models.linear_plant import LinearPlant
 from armside.ilc.models.state_space import StateSpace, TimeVarying
 from armside.ilc.models.system import System
 from armside.ilc.models.system_matrix import SystemMatrix
 
 from .random_cases import T_S, random_matrix
+from .signals import bump, error_norms
 
 OMEGA = np.array([0.0, 0.01, 0.4, 2.0, np.pi])
 
@@ -28,6 +30,17 @@ def varying(n_samples, n=2):
     pole = np.linspace(0.5, 0.8, n_samples)[:, None, None] * np.eye(n)
     C = np.broadcast_to(np.eye(n), pole.shape)
     return TimeVarying(pole, np.eye(n) - pole, C)
+
+
+def test_a_plant_that_varies_along_the_record_is_learned():
+    reference, T_u = bump(200, 2), varying(200)
+    plant = LinearPlant(T_u=T_u, reference=reference)
+    np.testing.assert_allclose(plant.run(0.0 * reference), T_u.simulate(reference))
+    norms = error_norms(plant, NormOptimal(T_u=T_u, n_samples=200), reference, 3)
+    assert norms[-1] < 1e-3 * norms[0]
+    longer = LinearPlant(T_u=varying(150), reference=reference)
+    with pytest.raises(ValueError, match="T_u covers 150 samples, the record 200"):
+        longer.run(np.zeros((200, 2)))
 
 
 @pytest.mark.parametrize("n", [1, 2, 6])

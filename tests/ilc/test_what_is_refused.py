@@ -1,5 +1,6 @@
 """Arguments that gave infinities, NaN, numpy's messages or a broadcast: refused with their name."""
 
+import control
 import numpy as np
 import pytest
 
@@ -39,7 +40,7 @@ from armside.ilc.laws.wrappers import JointSpace, Scheduled
 from armside.ilc.learning import learn
 from armside.ilc.measures.iso9283 import crossings, path_accuracy, path_repeatability
 from armside.ilc.measures.norms import fit_circle, normalise
-from armside.ilc.models.conversion import as_system
+from armside.ilc.models.conversion import as_state_space, as_system
 from armside.ilc.models.linear_plant import LinearPlant
 from armside.ilc.models.state_space import StateSpace, TimeVarying
 from armside.ilc.models.system import System, tustin, zoh
@@ -77,6 +78,10 @@ REFUSED = {
     "loci": (lambda: eigenloci(T, 0.5, 1, FINE), "sample time 0.004 s of T_u, got 0.001"),
     "limit": (lambda: asymptotic_error(RECORD, T, PType(), FINE), "of T_u, got 0.001 s"),
     "zoh, den 0": (lambda: zoh([1.0], [0.0, 0.0], 0.01), "den must have a coefficient that is not"),
+    "states of continuous time": (
+        lambda: as_state_space(control.ss([[-1.0]], [[1.0]], [[1.0]], 0.0)),
+        "a model in continuous time needs a sample_time",
+    ),
     "zoh, Ts 0": (lambda: zoh([1.0], [1.0, 1.0], 0.0), "sample_time must be > 0, got 0"),
     "zoh, no num": (lambda: zoh([], [1.0], 0.1), "num must be finite coefficients of shape"),
     "tustin, Ts 0": (lambda: tustin([1.0], [1.0, 1.0], 0.0), "sample_time must be > 0, got 0"),

@@ -140,6 +140,18 @@ def test_a_working_folder_that_is_gone_is_one_line(armside_process, tmp_path):
     assert err.count("\n") == 1
 
 
+def test_without_a_home_and_a_cache_it_works_in_silence(tmp_path):
+    """In a fresh process: matplotlib tells of its folder when it is imported."""
+    env = {"PATH": os.environ["PATH"], "HOME": "/proc/none", "XDG_CACHE_HOME": "/proc/none"}
+    env |= {"XDG_CONFIG_HOME": "/proc/none", "MPLCONFIGDIR": "/proc/none"}
+    command = [sys.executable, "-m", "armside", "robot", "model", "--plot", "--out", "a", "--quiet"]
+    done = subprocess.run(
+        command, cwd=tmp_path, env=env, capture_output=True, timeout=120, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
+    assert (tmp_path / "a" / "frames.png").exists()
+
+
 def test_of_several_processes_that_want_one_folder_one_gets_it_whole(armside_process, tmp_path):
     from concurrent.futures import ThreadPoolExecutor
 

@@ -152,3 +152,8 @@ def test_a_second_signal_does_not_wait_for_the_tasks_in_flight():
             process.wait(30.0)
         finally:
             process.kill()
+
+
+def test_a_number_of_processes_is_at_least_one():
+    with pytest.raises(ValueError, match="workers must be >= 1, got 0"):
+        Workers(0)

@@ -103,10 +103,10 @@ class ProgramRun:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PlannedProgram:
-    """A program for the contours of an experiment, whose targets can be moved, but the ends of
-    rows.
+    """A program for the contours of an experiment, whose targets can be moved.
 
-    Its inputs are displacements of the path (N, 3) [m] at the instants of the plan.
+    Its inputs are displacements of the path (N, 3) [m] at the instants of the plan: N(w) times the
+    offsets of the targets. The first and the last target of a row stay.
     """
 
     experiment: Experiment[Any]

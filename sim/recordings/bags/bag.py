@@ -139,7 +139,8 @@ def poses_of_bag(path: Path, topics: BagTopics) -> PoseRecording:
     """One configuration for each stand of the arm that a target was seen in.
 
     Stamps of encoders and tracker are taken to be of one clock, as ROS has it: an offset changes
-    nothing while the arm stands still. Raises InputError as above, and for a bag without a stand.
+    nothing while the arm stands still. Raises InputError for what is missing, ambiguous or damaged,
+    and for a bag without a stand.
     """
     messages = read_messages(path, topics)
     ((topic, angles),) = messages.encoders.items()

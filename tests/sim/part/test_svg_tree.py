@@ -190,6 +190,7 @@ REFUSED = {
     "a radius below zero": ('<circle id="c" r="-5"/>', r"circle #c .*its r is -5, at \(0, 0\) mm"),
     "no radius": ('<circle id="c" cx="3"/>', r"circle #c .*its r is 0, at \(3, 0\) mm"),
     "a length by the font": ('<rect id="c" width="2em" height="3"/>', "rect #c .*width is '2em'"),
+    "a number beyond all": ('<path id="c" d="M1 1H5V5L1e999 2Z"/>', "path #c .*is no number"),
     "a path that breaks off": ('<path id="c" d="M0 0L9 9X3 3"/>', "path #c .*which is no path"),
     "a path without a start": ('<path id="c" d="L9 9"/>', "path #c .*which is no path"),
     "points without an end": (
