@@ -170,5 +170,16 @@ def test_a_proposal_is_the_best_of_its_shifts(bandwidth, case):
         return
     assert (found.gamma, found.largest_gamma) == (gammas[found.delta], limits[found.delta])
     assert found.contraction == pytest.approx(each[found.delta])
+    # The least over frequency of the larger root in gamma of |1 - gamma z|^2 q^2 = 1.
+    omega = narrow_grid(T, Q.poles)[1:]
+    z, q = (
+        np.exp(1j * found.delta * omega) * response(T, omega)[:, 0, 0],
+        low_pass_gain(omega, bandwidth),
+    )
+    square = np.abs(z) ** 2
+    excess = np.maximum(1.0 / np.maximum(q, 1e-150) ** 2 - 1.0, 0.0)
+    root = (z.real + np.sqrt(z.real**2 + square * excess)) / np.maximum(square, 1e-300)
+    assert found.largest_gamma == pytest.approx(root.min(), rel=1e-4)
+    assert found.contraction == pytest.approx((q * np.abs(1.0 - found.gamma * z)).max(), rel=1e-4)
     near = [limit for limit, size in zip(limits, each, strict=True) if size <= min(each) + 0.005]
     assert found.largest_gamma == max(near)

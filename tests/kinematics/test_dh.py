@@ -37,10 +37,13 @@ REFUSED = [
     (Robot, {"links": TWO, "convention": "modified"}, "convention must be"),
 ]
 
+WRONG_KIND = ("joint must be", "theta must be a number", "links must be", "convention must be")
+
 
 @pytest.mark.parametrize(("make", "given", "said"), REFUSED)
 def test_what_is_no_link_or_robot_is_refused_by_name(make, given, said):
-    with pytest.raises((ValueError, TypeError), match=said):
+    wrong_kind = any(word in said for word in WRONG_KIND)
+    with pytest.raises(TypeError if wrong_kind else ValueError, match=said):
         make(**given)
 
 
