@@ -30,6 +30,8 @@ class Cause(Enum):
     """A digital twin was not trusted, or has to be commissioned again."""
     PROGRAM = "program"
     """A program was written without its correction."""
+    SCAN = "scan"
+    """Something of a scan was not used, or had to be assumed."""
     TOOL = "tool"
     """The tool got worse although the learned output did not."""
 
