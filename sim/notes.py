@@ -32,6 +32,8 @@ class Cause(Enum):
     """A program was written without its correction."""
     SCAN = "scan"
     """Something of a scan was not used, or had to be assumed."""
+    FORECAST = "forecast"
+    """Learning is forecast to make the tool worse."""
     TOOL = "tool"
     """The tool got worse although the learned output did not."""
 

@@ -13,6 +13,7 @@ from armside.sim.records.summary import dumps, summary
 
 from ..cutting.cut_run import fail_unless_done, ready
 from ..cutting.earlier import FromCfg, save_state, started
+from ..cutting.forecast_option import ForecastCfg, entries, foreseen, show_forecast
 from ..cutting.part_options import CutCfg, drawing, part_cut
 from ..cutting.part_program import Learner, write_program
 from ..figures.part_results import show_plan, show_results, write_plan, write_results
@@ -29,6 +30,7 @@ def cut(
     *,
     cfg: CutCfg = CutCfg(),
     of: FromCfg = FromCfg(),
+    ahead: ForecastCfg = ForecastCfg(),
     common: Common = Common(),
 ) -> None:
     """Cut a whole part from a drawing (.dxf, .svg, .toml) and learn all its contours at once.
@@ -37,15 +39,20 @@ def cut(
     the first and last run, replay.rrd and state.npz (for --from, which needs no drawing).
     """
     report, made, learner, lines = Report(common), None, None, list[str]()
+    forecast = None
     with checking_input():
         cfg, common, before = started(of.start, "cut", cfg, common)
         part = drawing(part, before)
         what = part_cut(part, cfg)
         plan = what.plan
+        if ahead.forecast and cfg.plan_only:
+            raise ValueError("forecast is of a run: leave out --plan-only")
         if not cfg.plan_only:
             made = ready(what, measure_of(cfg.measure), common.seed, before)
+            forecast = foreseen(report, made, ahead, cfg)
             learner = None if cfg.as_program is None else Learner.of(made, cfg)
     show_plan(report, plan)
+    show_forecast(report, forecast)
     about: dict[str, Any] = {"part": part}
     if made is not None:
         made = made.corrected_by(cfg.twin) if learner is None else learner.made
@@ -64,14 +71,15 @@ def cut(
                 learned = (learner or made).iterations(cfg.iterations, 1e-2 * cfg.converged or None)
                 found = results(made.experiment, _watched(learned, ends, step), of_tool=True)
             save_state(folder, ends[-1].state)
-            entries, of_twin = made.entries()
+            started_from, of_twin = made.entries()
             if learner is not None and found["status"] == "done":
-                lines, entries["program"], held = write_program(
+                lines, started_from["program"], held = write_program(
                     folder, what, cfg, learner, ends[-1]
                 )
                 of_twin = [*of_twin, *held]
-            notes = [*found["notes"], *of_twin]
-            found |= about | entries | {"notes": notes}
+            ahead_of_it, warned = entries(forecast, cfg)
+            notes = [*warned, *found["notes"], *of_twin]
+            found |= about | ahead_of_it | started_from | {"notes": notes}
             outcome = summary("cut", cfg, common, **found)
             write_results(folder, made.experiment, ends, outcome)
     report.notes(notes)

@@ -7,6 +7,7 @@ from armside.sim.records.summary import summary
 
 from ..cutting.cut_run import fail_unless_done, ready
 from ..cutting.earlier import FromCfg, save_state, started
+from ..cutting.forecast_option import ForecastCfg, entries, foreseen, show_forecast
 from ..cutting.options import LaserCfg
 from ..cutting.specification import cut, measure
 from ..figures.laser_results import show, write
@@ -16,7 +17,11 @@ from ..shell.options import Common
 
 
 def laser(
-    *, cfg: LaserCfg = LaserCfg(), of: FromCfg = FromCfg(), common: Common = Common()
+    *,
+    cfg: LaserCfg = LaserCfg(),
+    of: FromCfg = FromCfg(),
+    ahead: ForecastCfg = ForecastCfg(),
+    common: Common = Common(),
 ) -> None:
     """Cut a shape with a flexible robot and learn to cut it better, from motor or arm side.
 
@@ -27,6 +32,8 @@ def laser(
     with checking_input():
         cfg, common, before = started(of.start, "laser", cfg, common)
         made = ready(cut(cfg), measure(cfg), common.seed, before)
+        forecast = foreseen(report, made, ahead, cfg)
+    show_forecast(report, forecast)
     made = made.corrected_by(cfg.twin)
     experiment, iterations, repeated = made.experiment, list[Iteration](), list[Pass]()
     with report.progress("cutting", total=cfg.iterations + 1 + cfg.repetitions) as step:
@@ -39,11 +46,13 @@ def laser(
             step()
     found = results(experiment, iterations, of_tool=cfg.measure != "motor")
     found |= quality(experiment, iterations, repeated, cfg.beam)
-    entries, notes = made.entries()
-    if "predicted" in entries and made.by_twin is not None:
+    started_from, notes = made.entries()
+    if "predicted" in started_from and made.by_twin is not None:
         shown, more = made.by_twin.shown_by(iterations[0].run, cfg.payload)
-        entries, notes = entries | {"twin": {"folder": cfg.twin, **shown}}, [*notes, *more]
-    found |= entries | {"notes": [*found["notes"], *notes]}
+        started_from |= {"twin": {"folder": cfg.twin, **shown}}
+        notes = [*notes, *more]
+    ahead_of_it, warned = entries(forecast, cfg)
+    found |= ahead_of_it | started_from | {"notes": [*warned, *found["notes"], *notes]}
     outcome = summary("laser", cfg, common, **found)
     with RunFolder("laser", seed=common.seed, out=common.out) as folder:
         write(folder, experiment, iterations, outcome)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from cyclopts import Group, Parameter
@@ -88,6 +88,8 @@ def known_state(cfg: KnownGearsCfg, robot: Robot) -> dict[str, Any]:
 
 
 _BY_ROBOT: Any = None  # until the configuration knows its robot
+NOT_NAMED: Any = None
+"""Of a measure: motors, though not by name."""
 RADIUS = 5.0
 """[mm], of the circle where none is given."""
 FRICTION_SPREAD = 2.0
@@ -182,6 +184,12 @@ class ContourCfg(KnownGearsCfg):
         return find_cell(self.robot)
 
 
+def named_measure(cfg: Any) -> None:
+    """Set the measure where none was given, and keep whether motors were asked for by name."""
+    object.__setattr__(cfg, "motor_by_name", cfg.measure == "motor")
+    object.__setattr__(cfg, "measure", cfg.measure or "motor")
+
+
 @options
 @dataclass(frozen=True, kw_only=True)
 class LaserCfg(ContourCfg):
@@ -191,8 +199,8 @@ class LaserCfg(ContourCfg):
     """Learning law. heuristic is Q(u + gamma q^delta e), thesis (9.2), simulated the same on the
     nominal robot between two runs (--measure motor); the others invert a model of the arm [auto:
     heuristic for --measure motor, inverse otherwise]."""
-    measure: Literal["motor", "estimate", "tracker"] = "motor"
-    """Learn from. Motor angles, or the tool by an IMU estimate or the tracker."""
+    measure: Literal["motor", "estimate", "tracker"] = NOT_NAMED
+    """Learn from [default: motor]. Motor angles, or the tool by an IMU estimate or the tracker."""
     gamma: Annotated[tuple[float, ...], SOME] = _BY_ROBOT
     """Learning gain [default: 0.9]. One for all motors or six [default with --robot irb1400
     --measure motor: 1]."""
@@ -217,8 +225,12 @@ class LaserCfg(ContourCfg):
     on_imu_fault: Literal["refuse", "go-on"] = "refuse"
     """Reaction to an unusable IMU. Do not learn, or go on with motor angles and model alone."""
 
+    motor_by_name: ClassVar[bool] = False
+    """`--measure motor` was given, and is not only the default."""
+
     def __post_init__(self) -> None:
         super().__post_init__()
+        named_measure(self)
         if self.gears is not None and self.twin is not None:
             raise ValueError("give gears or twin, not both: a twin knows gear errors of its own")
         check_limits(self, OF_LEARNING)

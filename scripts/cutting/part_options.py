@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from cyclopts import Group, Parameter
 
@@ -20,10 +20,12 @@ from .earlier import Earlier
 from .options import (
     BEAM,
     FRICTION_SPREAD,
+    NOT_NAMED,
     OF_ROBOT,
     SIX,
     KnownGearsCfg,
     known_state,
+    named_measure,
 )
 from .specification import effort
 
@@ -93,8 +95,8 @@ class CutCfg(KnownGearsCfg):
     """Named pose. The middle of the part lies there, with its orientation of the tool."""
     plane: Literal["base-xy", "tool"] = "base-xy"
     """Plane. The base x-y plane, or perpendicular to the tool axis."""
-    measure: Literal["motor", "estimate", "tracker"] = "motor"
-    """Learn from. Motor angles, or the tool by an IMU estimate or the tracker."""
+    measure: Literal["motor", "estimate", "tracker"] = NOT_NAMED
+    """Learn from [default: motor]. Motor angles, or the tool by an IMU estimate or the tracker."""
     iterations: int = 5
     """Updates, of each contour at most; one run more is made."""
     twin: Path | None = None
@@ -104,8 +106,12 @@ class CutCfg(KnownGearsCfg):
     running has converged: it keeps its best correction, and the run ends when all have [0: all
     updates are made]."""
 
+    motor_by_name: ClassVar[bool] = False
+    """As of `LaserCfg`."""
+
     def __post_init__(self) -> None:
         super().__post_init__()
+        named_measure(self)
         if (n := find_cell(self.robot).robot.n_joints) != SIX:
             needs = f"cut plans with six axes, {self.robot} has {n}"
             raise ValueError(f"{needs}: cut its contours one by one with armside laser --contour")

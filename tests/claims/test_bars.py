@@ -28,7 +28,8 @@ FULL_INSTANCES = {
     "estimation": 10, "estimation-controls": 10, "estimation-gears": 10, "imu-causes": 5,
     "imu-large": 10, "imu-rest": 10, "laser-irb1400": 20, "laser-irb1400-design": 20,
     "laser-irb1400-poses": 20, "estimation-irb1400": 10, "estimation-arms": 2, "long-way": 10,
-    "first-cut": 6, "first-cut-imu": 6, "imu-twin": 2, "robots": 5, "robots-design": 3,
+    "first-cut": 6, "first-cut-imu": 6, "forecast": 30, "forecast-twin": 6, "imu-twin": 2,
+    "robots": 5, "robots-design": 3,
     "knob-free": 100, "basis-functions": 2, "urdf": 5, "programs": 8,
 }  # fmt: skip
 

@@ -1,0 +1,73 @@
+"""`--forecast` of `armside laser` and `cut`: what learning would leave, before the first run."""
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from armside.sim.laser.forecast import ROBOTS, Forecast, forecast
+from armside.sim.laser.measures import MotorAngles
+from armside.sim.laser.tool_measure import ToolPath
+from armside.sim.notes import Cause, Note
+
+from ..shell.console import Report
+from ..shell.options import options
+from .cut_run import Ready
+from .options import LaserCfg
+from .part_options import CutCfg
+
+
+@options
+@dataclass(frozen=True, kw_only=True)
+class ForecastCfg:
+    """What to say before the first run."""
+
+    forecast: bool = False
+    """Forecast what learning from motors, estimate and tracker leaves. From eight robots of the
+    type, some seconds for a circle. Where motors would make the tool of most robots worse, learning
+    from them is refused unless --measure motor is given."""
+
+
+def foreseen(
+    report: Report, made: Ready, asked: ForecastCfg, cfg: LaserCfg | CutCfg
+) -> Forecast | None:
+    """Forecast of a cut, if asked for. Raises ValueError where motors, not asked for by name, would
+    make most robots worse, and beside --from."""
+    if not asked.forecast:
+        return None
+    if made.earlier is not None:
+        raise ValueError("forecast is of a first run without correction: leave out --from")
+    measure = made.measure
+    motor = measure if isinstance(measure, MotorAngles) else MotorAngles()
+    law = (measure if isinstance(measure, ToolPath) else ToolPath()).law
+    with report.progress("forecast", total=ROBOTS) as step:
+        found = forecast(made.experiment.cut, motor=motor, law=law, step=step)
+    why = _objection(found, cfg)
+    if why is not None and cfg.measure == "motor" and not cfg.motor_by_name:
+        raise ValueError(f"{why}; choose one of them, or ask for --measure motor by name")
+    return found
+
+
+def entries(found: Forecast | None, cfg: LaserCfg | CutCfg) -> tuple[dict[str, Any], list[Note]]:
+    """Entry of summary.json, and a note where most robots would end worse."""
+    if found is None:
+        return {}, []
+    why = _objection(found, cfg)
+    notes = [] if why is None else [Note(cause=Cause.FORECAST, text=why)]
+    return {"forecast": asdict(found)}, notes
+
+
+def show_forecast(report: Report, found: Forecast | None) -> None:
+    """Print a forecast."""
+    if found is None:
+        return
+    rows = [
+        [one.measure, one.updates, *(100.0 * x for x in (one.median, one.low, one.high, one.worse))]
+        for one in found.left
+    ]
+    columns = ["learned from", "k", "median [%]", "5 %", "95 %", "robots that end worse [%]"]
+    first = f"{1e6 * found.uncorrected:.3g} µm at k = 0"
+    report.table(f"Forecast of the tool RMS, per cent of {first}", columns, rows)
+
+
+def _objection(found: Forecast, cfg: LaserCfg | CutCfg) -> str | None:
+    """Of what is learned from; of learning around a twin's correction nothing is forecast."""
+    return None if cfg.twin is not None else found.objection(cfg.measure, cfg.iterations)

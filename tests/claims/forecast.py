@@ -1,0 +1,142 @@
+"""What was forecast of learning before the first run, beside what 100 unseen robots then leave.
+
+Each seed is one of thirty tasks, one in five of them fast (0.2 to 1 m/s, 2 to 12.5 m/s^2), learned
+by ten of the robots; four of these learn from the estimate too, whose identification takes seconds.
+`forecast-twin`: first runs of the same tasks by twins of ten cuts.
+
+Bands, written down before the first judged run: of the true ends 85 to 95 % lie in the interval of
+90 %, of each measure; the forecast share of robots that end worse is right to 0.1. `CALIBRATION` of
+`armside.sim.laser.forecast` was fitted to `DEVELOPMENT` alone: robot i and task i, one each; twins
+to those of `DEVELOPMENT_TWINS`.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from armside.arrays import Array
+from armside.sim.estimation.imu_health import ImuError
+from armside.sim.laser.experiment import prepare
+from armside.sim.laser.forecast import UPDATES, forecast
+from armside.sim.laser.loop import iterate, measure_of
+from armside.sim.laser.results import pass_notes
+from armside.sim.laser.specification import Cut
+from armside.sim.motion.timing import PathLimits
+from armside.sim.robot.spread import Drawn
+from armside.sim.twin.commission import MOST, commission
+
+from ._engine import Check, Claim, Row, Rows, Tally
+from ._tasks import _can_be_made, tasks
+from ._twins import commissioning_cuts, first_runs, left_alone
+
+DEVELOPMENT, DEVELOPMENT_SEED, DEVELOPMENT_TWINS = tuple(range(1001, 1033, 2)), 77, (1004,)
+JUDGED, JUDGED_SEED = tuple(range(7000, 7100)), 20261207
+JUDGED_TWINS = tuple(range(7100, 7106))
+N_TASKS, N_ROBOTS, N_ESTIMATED = 30, 10, 4
+_EVERY = 5
+MEASURES = ("motor", "tracker", "estimate")
+
+
+def drawn_tasks(count: int, seed: int) -> list[tuple[str, Cut]]:
+    """Tasks of `_tasks.tasks`, each fifth of them fast."""
+    rng, found = np.random.default_rng(seed), list[tuple[str, Cut]]()
+    for i, (kind, cut) in enumerate(tasks(2 * count, seed)):
+        if i % _EVERY == _EVERY - 1:
+            speed, acceleration = float(rng.uniform(0.2, 1.0)), float(rng.uniform(2.0, 12.5))
+            kind, limits = f"{kind}, fast", PathLimits(acceleration=acceleration)
+            cut = replace(cut, speed=speed, limits=limits)
+            if not _can_be_made(cut):
+                continue
+        found.append((kind, cut))
+    return found[:count]
+
+
+def robots_of(task: int) -> list[int]:
+    """Numbers of the robots that learn a task: all hundred learn three."""
+    first = N_ROBOTS * task
+    return [JUDGED[(first + i) % len(JUDGED)] for i in range(N_ROBOTS)]
+
+
+def left_by(cut: Cut, number: int, measure: str, tally: Tally) -> Array | None:
+    """(U,) true tool RMS after `UPDATES` over that at k = 0, infinite where learning diverged
+    before; None where an estimate is refused."""
+    chosen = measure_of(measure)
+    made = prepare(replace(cut, individual=Drawn(number), imu=chosen.imu), seed=number)
+    try:
+        runs = list(iterate(made, chosen.prepare(made), max(UPDATES)))
+    except ImuError:
+        return None
+    tally.add(pass_notes(made, runs[-1].run))
+    rms = np.array([np.inf if it.diverged else it.tool_true.rms for it in runs])
+    return rms[np.minimum(UPDATES, len(rms) - 1)] / rms[0]
+
+
+def run(seed: int, tally: Tally) -> Iterator[Row]:
+    kind, cut = drawn_tasks(N_TASKS, JUDGED_SEED)[seed % N_TASKS]
+    found = forecast(cut)
+    for i, number in enumerate(robots_of(seed % N_TASKS)):
+        for measure in MEASURES[: 3 if i < N_ESTIMATED else 2]:
+            yield cells(kind, number, measure, left_by(cut, number, measure, tally), found)
+
+
+def cells(kind: str, number: int, measure: str, left: Array | None, found) -> Row:
+    """Row of one robot. left: as `left_by` has it."""
+    ahead = [found.of(measure, k) for k in UPDATES]
+    refused = left is None
+    ends = np.full(len(UPDATES), np.nan) if left is None else left
+    return {
+        **{"task": kind, "robot": number, "measure": measure, "refused": refused},
+        **{f"forecast k = {a.updates}": a.median for a in ahead},
+        **{f"left k = {k}": float(end) for k, end in zip(UPDATES, ends, strict=True)},
+        "_inside": [a.low <= end <= a.high for a, end in zip(ahead, ends, strict=True)],
+        "_worse": [float(end > 1.0) for end in ends],
+        "_said": [a.worse for a in ahead],
+    }
+
+
+def checks(rows: Rows) -> Iterator[Check]:
+    judged = Rows(row for row in rows if not row["refused"])
+    for measure, own in judged.by("measure").items():
+        for i, k in enumerate(UPDATES):
+            inside, worse, said = (
+                float(np.mean([row[key][i] for row in own]))
+                for key in ("_inside", "_worse", "_said")
+            )
+            what = f"{measure}, k = {k}"
+            yield Check("", f"{what}: inside the interval of 90 %", "", inside, low=0.85, high=0.95)
+            off = abs(worse - said)
+            yield Check("", f"{what}: share that ends worse, off by", "", off, high=0.1)
+
+
+CLAIM = Claim(
+    title="Forecast and what learning left, as a share of k = 0",
+    seeds=N_TASKS,
+    run=run,
+    checks=checks,
+)
+
+
+def run_twin(seed: int, tally: Tally) -> Iterator[Row]:
+    number = JUDGED_TWINS[seed % len(JUDGED_TWINS)]
+    robot, chosen = Drawn(number), drawn_tasks(N_TASKS, JUDGED_SEED)
+    twin = commission(commissioning_cuts(robot, MOST)).twin
+    errors, corrections, _ = first_runs(twin, robot, [cut for _, cut in chosen], tally)
+    for (kind, cut), error, used in zip(chosen, errors, corrections, strict=True):
+        ahead = forecast(cut, measures=("twin",)).of("twin", 0)
+        left = float(error) / left_alone(cut, robot, tally)
+        yield {
+            **{"task": kind, "robot": number, "corrected": used.trusted},
+            **{"forecast": ahead.median, "left": left, "_inside": ahead.low <= left <= ahead.high},
+        }
+
+
+def checks_twin(rows: Rows) -> Iterator[Check]:
+    inside = [row["_inside"] for row in rows if row["corrected"]]
+    what = "inside the interval of 90 %"
+    yield Check("", what, "", float(np.mean(inside)), low=0.85, high=0.95)
+
+
+CLAIM_TWIN = Claim(
+    title="Forecast and first runs by twins of ten cuts", seeds=6, run=run_twin, checks=checks_twin
+)

@@ -1,0 +1,101 @@
+"""What is said before the first run: intervals of an ensemble, and what they are blind to."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from armside.sim.laser import forecast as ahead
+from armside.sim.laser.forecast import CALIBRATION, Calibration, Member, forecast, summarised
+from armside.sim.laser.specification import Cut
+from armside.sim.motion.contour import square
+from armside.sim.motion.timing import PathLimits
+from armside.sim.robot.spread import Drawn
+
+HARD = Cut(
+    pose="p2",
+    contour=square(0.100, 0.015),
+    speed=1.0,
+    limits=PathLimits(acceleration=12.5),
+)
+
+
+def ensemble(motor, unseen=0.0):
+    """Robots of 100 um at k = 0 that end at these shares by motors, and at 0.1 by a tracker."""
+    one, two = np.full(2, 1e-4), np.full(2, 1e-5)
+    return [Member(1e-4, share * one, two, unseen * one, 3e-5, 1e-6) for share in motor]
+
+
+@pytest.fixture
+def plain(monkeypatch):
+    """No calibration: the ensemble itself."""
+    monkeypatch.setattr(
+        ahead, "CALIBRATION", dict.fromkeys(CALIBRATION, Calibration(1.0, 1.0, 1e-6))
+    )
+
+
+def test_the_interval_is_that_of_a_normal_logarithm(plain):
+    logs = np.array([-0.3, 0.1, 0.2, 0.8])
+    found = summarised(ensemble(np.exp(logs))).of("motor", 5)
+    mean, width = 0.2, np.std(logs, ddof=1)
+    assert found.median == pytest.approx(np.exp(mean))
+    assert (found.low, found.high) == pytest.approx(np.exp(norm.interval(0.9, mean, width)))
+    assert found.worse == pytest.approx(norm.cdf(mean / width))
+
+
+def test_an_estimate_leaves_what_a_tracker_leaves_and_what_it_does_not_see(plain):
+    found = summarised(ensemble([1.0, 1.0, 1.0], unseen=0.24))
+    assert found.of("tracker", 5).median == pytest.approx(0.1)
+    assert found.of("estimate", 5).median == pytest.approx(0.26)
+    assert found.of("twin", 0).median == pytest.approx(np.hypot(0.01, 0.3))
+
+
+def test_calibration_moves_the_median_and_widens_the_interval(monkeypatch):
+    monkeypatch.setattr(ahead, "CALIBRATION", {"motor": Calibration(1.0, 1.5, 0.4)})
+    found = summarised(ensemble([0.5, 0.5, 0.5])).of("motor", 20)
+    assert found.median == pytest.approx(0.75)
+    assert np.log(found.high / found.low) == pytest.approx(2.0 * 1.6449 * 0.4, rel=1e-3)
+
+
+def test_learning_that_diverges_counts_as_tenfold(plain):
+    assert summarised(ensemble([np.inf, np.inf, np.inf])).of("motor", 5).median == pytest.approx(10)
+
+
+@pytest.mark.parametrize(
+    ("share", "updates", "refused"), [(1.1, 5, True), (0.9, 5, False), (1.1, 0, False)]
+)
+def test_learning_that_makes_most_robots_worse_is_objected_to(share, updates, refused):
+    found = summarised(ensemble(share * np.array([0.99, 1.0, 1.01])))
+    why = found.objection("motor", updates)
+    assert (why is not None) == refused
+    if why is not None:
+        assert "tracker 10 %" in why
+
+
+def test_the_hard_square_at_p2_is_caught_before_its_first_run():
+    """Motor learning reached 268 % there in a trial with other robots."""
+    found = forecast(HARD, robots=3, measures=("motor",))
+    assert found.objection("motor", 5)
+    assert 1.5 < found.of("motor", 5).median < 4.0
+
+
+def test_nothing_is_read_of_the_robot_that_cuts():
+    plain, own = (
+        forecast(replace(Cut(radius=0.002, speed=0.06), **state), robots=3, measures=("tracker",))
+        for state in ({}, {"individual": Drawn(5), "friction_drift": 0.5, "temperature": 60.0})
+    )
+    assert plain == own
+    assert plain.of("tracker", 5).median < 0.5 < 1e6 * plain.uncorrected
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"robots": 2}, "robots must be >= 3, got 2"),
+        ({"measures": ("ears",)}, "Unknown measure 'ears'"),
+    ],
+)
+def test_a_forecast_of_nothing_is_refused(options, text):
+    with pytest.raises(ValueError, match=text):
+        forecast(Cut(), **options)
