@@ -5,6 +5,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import mujoco
 import numpy as np
@@ -14,6 +15,24 @@ from armside.arrays import Array, read_only
 from armside.kinematics.robot_file import GearTerm
 
 from .mjcf import axis_actuators, numeric, scalar
+
+
+class OwnDrive(Protocol):
+    """What a robot's drives do beside what all have: `alien` has such drives."""
+
+    def applied(self, drives: "Drives", load: Array, velocity: Array, time: Array) -> Array:
+        """(M, n) [N m], arm side, on the motors; load (M, n) [N m] and velocity (M, n) [rad/s], arm
+        side, at times (M,) [s] of the commanded motion."""
+        ...
+
+    def feedforward(self, drives: "Drives", torque: Array, velocity: Array) -> Array:
+        """(M, n) [N m], arm side, in place of the torque feedforward (M, n)."""
+        ...
+
+    def commands(self, controls: Array, step: float) -> Array:
+        """Controls (M, n, 3) that reach the servo, one each `step` [s]."""
+        ...
+
 
 N_HARMONICS = 4
 """Orders of a gear's transmission error: once and twice the output, once and twice the motor."""

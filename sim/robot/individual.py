@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
+from .alien import AlienEffect, built, tuned
 from .drives import N_HARMONICS
 from .effects import Effect, FrictionFactors, with_effects
 from .mjcf import ModelError, axes_of, axis_actuators
@@ -118,10 +119,12 @@ class Individual:
     orientation: Array = field(default_factory=_zero)
     """(n, 3) [rad], rotation vector added to the orientation of each joint's body."""
     hidden: tuple[HiddenHinge, ...] = ()
+    alien: tuple[AlienEffect, ...] = ()
+    """Effects that no model of ours has; of `spread.Alien` alone."""
 
     def __post_init__(self) -> None:
         for item in fields(self):
-            if item.name == "hidden":
+            if item.name in NOT_NUMBERS:
                 continue
             value = getattr(self, item.name)
             object.__setattr__(self, item.name, _one_or_each(item.name, value))
@@ -133,7 +136,7 @@ class Individual:
         """
         every: dict[str, Any] = {}
         for name in (item.name for item in fields(self)):
-            if name in ("hidden", *OF_STRUCTURE):
+            if name in (*NOT_NUMBERS, *OF_STRUCTURE):
                 continue
             if (value := getattr(self, name)).ndim and len(value) != n_axes:
                 allowed = f"one number or {n_axes}, one for each axis"
@@ -142,6 +145,7 @@ class Individual:
         return replace(self, **every)
 
 
+NOT_NUMBERS = ("hidden", "alien")
 OF_STRUCTURE = ("structure_stiffness", "structure_damping")
 """Fields with a value for each hinge of the structure, or one for all."""
 _MORE: Mapping[str, tuple[int, ...]] = {
@@ -176,13 +180,14 @@ def embodied(
     """
     individual = individual.of(design.n_axes)
     model = with_hinges(design, individual.hidden) if individual.hidden else design
+    model = built(model, individual.alien)
     if payload is not None:
         model = with_payload(model, payload)
     factors = FrictionFactors(
         individual.friction_constant, individual.friction_load, individual.static_excess
     )
     model = with_effects(model, effects, phi=phi, friction=factors, temperature=temperature)
-    return with_individual(model, individual)
+    return tuned(with_individual(model, individual), individual.alien)
 
 
 def with_individual(model: RobotModel, individual: Individual) -> RobotModel:

@@ -14,7 +14,7 @@ import numpy as np
 from armside.arrays import Array
 from armside.kinematics.robot_file import refuse_unknown, toml_of
 
-from .individual import HiddenHinge, Individual
+from .individual import NOT_NUMBERS, HiddenHinge, Individual
 
 LARGEST = 100_000
 """Bytes of a file; all parameters need five thousand."""
@@ -33,7 +33,7 @@ _HINGE = {
     "stiffness": (1e3, 1e10, " N m/rad"),
     "damping": (0.0, 1e8, " N m s/rad"),
 }
-PARAMETERS = tuple(field.name for field in fields(Individual) if field.name != "hidden")
+PARAMETERS = tuple(field.name for field in fields(Individual) if field.name not in NOT_NUMBERS)
 
 
 def read_individual(file: Path) -> Individual:

@@ -9,7 +9,7 @@ import numpy as np
 
 from armside.arrays import Array
 
-from .drives import Drives, GearError, read_drives
+from .drives import Drives, GearError, OwnDrive, read_drives
 from .linkage import passive_joints
 from .mjcf import (
     ModelError,
@@ -42,6 +42,8 @@ class RobotModel:
     drives: Drives
     gear_error: GearError | None = None
     """Transmission error of the gears; None for exact gears."""
+    own_drive: OwnDrive | None = None
+    """What the drives do beside what those of all robots do."""
     joint_range: Array
     """(n, 2) [rad], hard stops of the motors on the arm side."""
     brakes: np.ndarray

@@ -47,6 +47,8 @@ class LoadedReference:
     """(M,) bool: the drives are on; otherwise the brakes hold."""
     initial_state: Array
     """Full physics state: static equilibrium at the first reference."""
+    applied: Array | None = None
+    """(M, n) [N m], arm side, on the motors by `RobotModel.own_drive`."""
 
     def run(
         self, correction: Array | None = None, rng: np.random.Generator | None = None
@@ -69,6 +71,8 @@ class LoadedReference:
         velocity = at_step_end(path.velocity) if self.model.implicit else path.velocity
         noise = self.noise(rng)
         self.add(controls, slice(None), path.position, velocity, noise)
+        if self.model.own_drive is not None:
+            controls = self.model.own_drive.commands(controls, self.model.timestep)
         return controls.reshape(len(controls), -1), noise.encoder
 
     def noise(self, rng: np.random.Generator | None) -> "Noise":
@@ -170,6 +174,13 @@ def _roll_out(
     n_data = min(threads, len(references))
     data = _data(models[0], n_data)
     inputs = mujoco.mjtState.mjSTATE_CTRL
+    if any(loaded.applied is not None for loaded in references):
+        inputs |= mujoco.mjtState.mjSTATE_QFRC_APPLIED
+        forces = np.zeros((*controls.shape[:2], models[0].nv))
+        for force, loaded in zip(forces, references, strict=True):
+            if loaded.applied is not None:
+                force[:, loaded.model.motor] = loaded.applied
+        controls = np.concatenate((controls, forces), axis=2)
     if not all(loaded.powered.all() for loaded in references):
         inputs |= mujoco.mjtState.mjSTATE_EQ_ACTIVE
         # Constraints of the model throughout, and its brakes while the drives are off.

@@ -8,6 +8,7 @@ import numpy as np
 
 from armside.arrays import Array
 
+from .alien import ALIEN, AlienEffect
 from .drives import N_HARMONICS
 from .effects import Effect, available
 from .individual import OF_STRUCTURE, HiddenHinge, Individual, structure_hinges
@@ -158,6 +159,27 @@ class Drawn:
     def of(self, design: RobotModel) -> Individual:
         """Parameters, for a design."""
         return draw(np.random.default_rng(self.number), design, self.spread)
+
+
+EVERY = "all"
+_ALIEN_SPREAD = 0.2  # log(size). ESTIMATE
+
+
+@dataclass(frozen=True)
+class Alien(Drawn):
+    """Robot `number` of the line with an effect of `alien.ALIEN`, by its name, or with all."""
+
+    effect: str = EVERY
+
+    def of(self, design: RobotModel) -> Individual:
+        """Raises ValueError for an unknown effect."""
+        names = tuple(ALIEN) if self.effect == EVERY else (self.effect,)
+        rng = np.random.default_rng([self.number, 0xA1])
+        sizes = dict(
+            zip(ALIEN, np.exp(_ALIEN_SPREAD * rng.standard_normal(len(ALIEN))), strict=True)
+        )
+        effects = tuple(AlienEffect(name, float(sizes.get(name, 1.0))) for name in names)
+        return replace(super().of(design), alien=effects)
 
 
 def draw(rng: np.random.Generator, design: RobotModel, spread: Spread = Spread()) -> Individual:

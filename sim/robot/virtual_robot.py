@@ -83,6 +83,11 @@ class VirtualRobot:
                 f"the robot cannot carry its load: at rest axis {axis + 1} would have to hold "
                 f"{abs(held):.0f} N m, and its drive holds {limit[axis]:.0f} N m"
             )
+        applied = None
+        if (own := model.own_drive) is not None:
+            load, time = torque - torque[0] + start.holding_torque, np.arange(len(torque))
+            applied = own.applied(drives, load, velocity, time * model.timestep)
+            torque = own.feedforward(drives, torque, velocity)
         torque = torque + (start.holding_torque - _ripple(model, start.qpos) - torque[0])
         powered = np.arange(len(position)) * model.timestep >= motors_on_at
         if not powered.all():
@@ -104,6 +109,7 @@ class VirtualRobot:
             controls=motor_controls(model, position, hinge_speed, torque),
             powered=powered,
             initial_state=_initial_state(model.mj, start.qpos),
+            applied=applied,
         )
 
     def run(
