@@ -70,9 +70,9 @@ class Calibration(NamedTuple):
 
 
 CALIBRATION: Mapping[str, Calibration] = {
-    "motor": Calibration(1.0, 1.0, 0.1),
-    "estimate": Calibration(0.7, 1.0, 0.3),
-    "tracker": Calibration(1.0, 1.0, 0.2),
+    "motor": Calibration(1.0, 0.97, 0.03),
+    "estimate": Calibration(0.5, 1.02, 0.12),
+    "tracker": Calibration(1.0, 0.96, 0.08),
     "twin": Calibration(0.1, 1.0, 0.4),
 }
 
