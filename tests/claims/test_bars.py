@@ -99,6 +99,16 @@ CORRECTED = {
     **{"_flagged": np.arange(30) < 15, "_beyond": np.where(np.arange(30) < 15, 0.5, 0.1)},
 }
 BY_IMU = {"_left": np.full(30, 0.05), "_inside": np.arange(30) < 27}
+FORESEEN = {
+    **{"measure": "motor", "refused": False, "corrected": True},
+    **{"_worse": [0.0, 0.0], "_said": [0.0, 0.0], "_inside": [True, True]},
+}
+MISSED = FORESEEN | {"_inside": [False, False]}
+OUTSIDE = {
+    **{"_left": np.full(6, 0.05), "_flagged": np.zeros(6, bool), "_inside": np.ones(6, bool)},
+    **{"_learned": np.full(3, 0.05), "_noted": np.zeros(3, bool), "_foreseen": np.ones(3, bool)},
+    **{"effect": "hysteresis", "_width": np.full(6, 0.1)},
+}
 
 BASES: dict[str, list[dict[str, Any]]] = {
     "estimation": [ESTIMATED] * 2,
@@ -125,6 +135,9 @@ BASES: dict[str, list[dict[str, Any]]] = {
     "knob-free": [KNOB_FREE] * 3,
     "first-cut": [CORRECTED],
     "first-cut-imu": [BY_IMU],
+    "forecast": [MISSED] * 2 + [FORESEEN] * 18,
+    "forecast-twin": [MISSED | {"_inside": False}] * 2 + [FORESEEN | {"_inside": True}] * 18,
+    "aliens": [OUTSIDE | {"effect": "none"}, OUTSIDE],
 }  # fmt: skip
 
 
@@ -293,6 +306,15 @@ BARS = [
         bar("first-cut-imu", "_inside", inside(good), inside(bad), "inside the interval")
         for good, bad in ((26, 25), (28, 29))
     ),
+    bar("forecast", "_inside", [True, True], [False, True], "motor, k = 5: inside the interval", 2),
+    bar("forecast", "_inside", [True, True], [True, False], "motor, k = 20: inside", 2),
+    bar("forecast", "_said", [0.099, 0.0], [0.101, 0.0], "motor, k = 5: share that ends worse", 20),
+    bar("forecast-twin", "_inside", True, False, "inside the interval of 90 %", 2),
+    bar("aliens", "_left", np.full(6, 0.0999), np.full(6, 0.1001), "median left by the twin"),
+    bar("aliens", "_learned", np.full(3, 0.1199), np.full(3, 0.1201), "left by the estimate"),
+    bar("aliens", "_left", *(np.append(np.full(5, 0.05), w) for w in (1.0, 1.01)), "nothing ends"),
+    bar("aliens", "_inside", inside(21), inside(20), "in the twin's interval, or that is wider"),
+    bar("aliens", "_foreseen", inside(21), inside(20), "in the forecast interval"),
 ]  # fmt: skip
 
 
