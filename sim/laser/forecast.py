@@ -73,7 +73,7 @@ CALIBRATION: Mapping[str, Calibration] = {
     "motor": Calibration(1.0, 0.97, 0.03),
     "estimate": Calibration(0.5, 1.02, 0.12),
     "tracker": Calibration(1.0, 0.96, 0.08),
-    "twin": Calibration(0.1, 1.0, 0.4),
+    "twin": Calibration(0.1, 0.68, 0.25),
 }
 
 

@@ -71,8 +71,8 @@ def _floor(spec: mujoco.MjSpec, size: float) -> None:
     stiffness = omega**2 * (whole + FLOOR_MASS)
     for name, axis in (("floor_x", (1.0, 0.0, 0.0)), ("floor_z", (0.0, 0.0, 1.0))):
         joint = base.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis)
-        joint.stiffness = [stiffness, 0.0, 0.0]
-        joint.damping = [2.0 * FLOOR_DAMPING_RATIO * stiffness / omega, 0.0, 0.0]
+        joint.stiffness = np.array([stiffness, 0.0, 0.0])
+        joint.damping = np.array([2.0 * FLOOR_DAMPING_RATIO * stiffness / omega, 0.0, 0.0])
         joint.springref = axis[2] * 9.81 * (whole + FLOOR_MASS) / stiffness
 
 
@@ -81,8 +81,10 @@ def _tool(spec: mujoco.MjSpec, size: float) -> None:
     inertia = tool.mass * tool.ipos[0] ** 2 + tool.inertia[1]
     for name, axis in (("tool_y", (0.0, 1.0, 0.0)), ("tool_z", (0.0, 0.0, 1.0))):
         joint = tool.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=axis)
-        joint.stiffness = [stiffness, 0.0, 0.0]
-        joint.damping = [2.0 * TOOL_DAMPING_RATIO * np.sqrt(stiffness * inertia), 0.0, 0.0]
+        joint.stiffness = np.array([stiffness, 0.0, 0.0])
+        joint.damping = np.array(
+            [2.0 * TOOL_DAMPING_RATIO * np.sqrt(stiffness * inertia), 0.0, 0.0]
+        )
 
 
 def _hose(spec: mujoco.MjSpec, size: float) -> None:
@@ -134,15 +136,20 @@ def _hysteresis(model: RobotModel, size: float) -> RobotModel:
 def _eccentric(model: RobotModel, size: float) -> RobotModel:
     """A reading off by d is one of a gear off by -d."""
     n, gear = model.n_axes, model.drives.gear
-    amplitude = size * np.deg2rad(np.array(ECCENTRICITY) / 60.0) / np.abs(gear)[:, None]
-    order = np.column_stack([gear, 3.0 * gear])
-    phase = 1.3 * np.arange(2 * n).reshape(n, 2)  # any: no two discs sit alike
-    known = model.gear_error
-    if known is None:
-        return replace(model, gear_error=GearError(amplitude=amplitude, order=order, phase=phase))
-    pairs = (known.amplitude, amplitude), (known.order, order), (known.phase, phase)
-    amplitude, order, phase = (np.hstack(pair) for pair in pairs)
-    return replace(model, gear_error=GearError(amplitude=amplitude, order=order, phase=phase))
+    radians = size * np.deg2rad(np.array(ECCENTRICITY) / 60.0)
+    own = GearError(
+        amplitude=np.asarray(radians / np.abs(gear)[:, None], dtype=np.float64),
+        order=np.column_stack([gear, 3.0 * gear]),
+        phase=1.3 * np.arange(2.0 * n).reshape(n, 2),  # any: no two discs sit alike
+    )
+    if (known := model.gear_error) is None:
+        return replace(model, gear_error=own)
+    both = GearError(
+        amplitude=np.hstack((known.amplitude, own.amplitude)),
+        order=np.hstack((known.order, own.order)),
+        phase=np.hstack((known.phase, own.phase)),
+    )
+    return replace(model, gear_error=both)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

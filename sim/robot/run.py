@@ -177,9 +177,9 @@ def _roll_out(
     if any(loaded.applied is not None for loaded in references):
         inputs |= mujoco.mjtState.mjSTATE_QFRC_APPLIED
         forces = np.zeros((*controls.shape[:2], models[0].nv))
-        for force, loaded in zip(forces, references, strict=True):
+        for i, loaded in enumerate(references):
             if loaded.applied is not None:
-                force[:, loaded.model.motor] = loaded.applied
+                forces[i, :, loaded.model.motor] = loaded.applied.T
         controls = np.concatenate((controls, forces), axis=2)
     if not all(loaded.powered.all() for loaded in references):
         inputs |= mujoco.mjtState.mjSTATE_EQ_ACTIVE

@@ -85,8 +85,9 @@ class VirtualRobot:
             )
         applied = None
         if (own := model.own_drive) is not None:
-            load, time = torque - torque[0] + start.holding_torque, np.arange(len(torque))
-            applied = own.applied(drives, load, velocity, time * model.timestep)
+            load = torque - torque[0] + start.holding_torque
+            time = model.timestep * np.arange(float(len(torque)))
+            applied = own.applied(drives, load, velocity, time)
             torque = own.feedforward(drives, torque, velocity)
         torque = torque + (start.holding_torque - _ripple(model, start.qpos) - torque[0])
         powered = np.arange(len(position)) * model.timestep >= motors_on_at
