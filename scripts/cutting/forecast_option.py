@@ -1,18 +1,20 @@
 """`--forecast` of `armside laser` and `cut`: what learning would leave, before the first run."""
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from armside.sim.laser.forecast import ROBOTS, Forecast, forecast
 from armside.sim.laser.measures import MotorAngles
-from armside.sim.laser.tool_measure import ToolPath
 from armside.sim.notes import Cause, Note
 
 from ..shell.console import Report
 from ..shell.options import options
 from .cut_run import Ready
-from .options import LaserCfg
-from .part_options import CutCfg
+
+if TYPE_CHECKING:
+    from armside.sim.laser.forecast import Forecast
+
+    from .options import LaserCfg
+    from .part_options import CutCfg
 
 
 @options
@@ -27,14 +29,17 @@ class ForecastCfg:
 
 
 def foreseen(
-    report: Report, made: Ready, asked: ForecastCfg, cfg: LaserCfg | CutCfg
-) -> Forecast | None:
+    report: Report, made: Ready, asked: ForecastCfg, cfg: "LaserCfg | CutCfg"
+) -> "Forecast | None":
     """Forecast of a cut, if asked for. Raises ValueError where motors, not asked for by name, would
     make most robots worse, and beside --from."""
     if not asked.forecast:
         return None
     if made.earlier is not None:
         raise ValueError("forecast is of a first run without correction: leave out --from")
+    from armside.sim.laser.forecast import ROBOTS, forecast
+    from armside.sim.laser.tool_measure import ToolPath
+
     measure = made.measure
     motor = measure if isinstance(measure, MotorAngles) else MotorAngles()
     law = (measure if isinstance(measure, ToolPath) else ToolPath()).law
@@ -46,7 +51,9 @@ def foreseen(
     return found
 
 
-def entries(found: Forecast | None, cfg: LaserCfg | CutCfg) -> tuple[dict[str, Any], list[Note]]:
+def entries(
+    found: "Forecast | None", cfg: "LaserCfg | CutCfg"
+) -> tuple[dict[str, Any], list[Note]]:
     """Entry of summary.json, and a note where most robots would end worse."""
     if found is None:
         return {}, []
@@ -55,7 +62,7 @@ def entries(found: Forecast | None, cfg: LaserCfg | CutCfg) -> tuple[dict[str, A
     return {"forecast": asdict(found)}, notes
 
 
-def show_forecast(report: Report, found: Forecast | None) -> None:
+def show_forecast(report: Report, found: "Forecast | None") -> None:
     """Print a forecast."""
     if found is None:
         return
@@ -68,6 +75,6 @@ def show_forecast(report: Report, found: Forecast | None) -> None:
     report.table(f"Forecast of the tool RMS, per cent of {first}", columns, rows)
 
 
-def _objection(found: Forecast, cfg: LaserCfg | CutCfg) -> str | None:
+def _objection(found: "Forecast", cfg: "LaserCfg | CutCfg") -> str | None:
     """Of what is learned from; of learning around a twin's correction nothing is forecast."""
     return None if cfg.twin is not None else found.objection(cfg.measure, cfg.iterations)

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from armside.scripts.cutting import forecast_option
+from armside.sim.laser import forecast as module
 from armside.sim.laser.forecast import Forecast, Left
 
 QUICK = "laser --radius 3 --speed 60 --iterations 1 --forecast"
@@ -19,7 +19,7 @@ def bad(monkeypatch):
         for name, share, worse in (("motor", 1.5, 0.8), ("tracker", 0.03, 0.0))
     ]
     found = Forecast(uncorrected=2e-4, robots=8, left=tuple(left))
-    monkeypatch.setattr(forecast_option, "forecast", lambda *_, **__: found)
+    monkeypatch.setattr(module, "forecast", lambda *_, **__: found)
 
 
 @pytest.mark.usefixtures("bad")

@@ -62,6 +62,7 @@ def test_learning_that_diverges_counts_as_tenfold(plain):
     assert summarised(ensemble([np.inf, np.inf, np.inf])).of("motor", 5).median == pytest.approx(10)
 
 
+@pytest.mark.usefixtures("plain")
 @pytest.mark.parametrize(
     ("share", "updates", "refused"), [(1.1, 5, True), (0.9, 5, False), (1.1, 0, False)]
 )
