@@ -17,6 +17,7 @@ from .laser.design_from_data import design_from_data as design_from_data
 from .laser.experiment import Experiment as Experiment
 from .laser.experiment import Iteration as Iteration
 from .laser.experiment import prepare as prepare
+from .laser.forecast import forecast as forecast
 from .laser.loop import learn as learn
 from .laser.measures import MotorAngles as MotorAngles
 from .laser.part_cut import PartCut as PartCut

@@ -260,7 +260,7 @@ FILES = (
 """Of a file: bad ones are in tests of their rooms, and in tests/contract."""
 LONG = (
     "Egm Rsi StreamedPlant IlcTuningEnv IlcTuningVectorEnv analyse_gears calibrate commission "
-    "design_from_data learn reprocessed"
+    "design_from_data forecast learn reprocessed"
 )
 """A connection, or seconds of work; bad input is in tests of their rooms."""
 

@@ -52,6 +52,7 @@ from .sim import Unit as Unit
 from .sim import analyse_gears as analyse_gears
 from .sim import commission as commission
 from .sim import design_from_data as design_from_data
+from .sim import forecast as forecast
 from .sim import learn as learn
 from .sim import load_robot as load_robot
 from .sim import measure_table as measure_table
