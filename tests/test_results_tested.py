@@ -26,8 +26,8 @@ UNTESTED = 39
 OF = {"input", "text", "count", "truth"}
 """What needs no unit."""
 ONLY_THEN = {
-    "laser": ("limits_hit.", "notes.", "started_from.", "predicted.", "twin."),
-    "cut": ("limits_hit.", "notes.", "started_from.", "predicted.", "twin."),
+    "laser": ("limits_hit.", "notes.", "started_from.", "predicted.", "twin.", "forecast."),
+    "cut": ("limits_hit.", "notes.", "started_from.", "predicted.", "twin.", "forecast."),
     "measure": ("notes.",),
     "export": ("notes.",),
     "learn": ("notes.", "eigenloci.", "laws.arm", "laws.predicted", "k"),
