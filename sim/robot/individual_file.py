@@ -62,9 +62,15 @@ def read_individual(file: Path) -> Individual:
 
 
 def individual_toml(individual: Individual) -> str:
-    """Text of a file with every parameter of an individual; every number keeps its bits."""
+    """Text of a file with every parameter of an individual; every number keeps its bits.
+
+    Raises ValueError for an alien, whose effects no file has.
+    """
     import tomlkit  # takes a tenth of a second, and few runs write a file
 
+    if individual.alien:
+        names = ", ".join(each.name for each in individual.alien)
+        raise ValueError(f"an individual with the effects of an alien has no file: {names}")
     tables: dict[str, Any] = {n: np.asarray(getattr(individual, n)).tolist() for n in PARAMETERS}
     if individual.hidden:
         tables["hidden"] = [asdict(hinge) for hinge in individual.hidden]

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from armside import assets
-from armside.sim.robot.individual import HiddenHinge, Individual
+from armside.sim.robot.alien import AlienEffect
+from armside.sim.robot.individual import NOT_NUMBERS, HiddenHinge, Individual
 from armside.sim.robot.individual_file import PARAMETERS, individual_toml, read_individual
 from armside.sim.robot.model import load_model
 from armside.sim.robot.spread import Drawn
@@ -31,7 +32,12 @@ def test_what_is_written_is_read_to_the_last_bit(tmp_path, xml):
 
 
 def test_every_parameter_can_be_written():
-    assert {*PARAMETERS, "hidden"} == {field.name for field in fields(Individual)}
+    assert {*PARAMETERS, *NOT_NUMBERS} == {field.name for field in fields(Individual)}
+
+
+def test_an_alien_is_not_written_as_if_it_were_none():
+    with pytest.raises(ValueError, match="no file: hose"):
+        individual_toml(Individual(alien=(AlienEffect("hose"),)))
 
 
 def test_an_empty_file_is_the_design(tmp_path):
