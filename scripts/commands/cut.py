@@ -47,6 +47,8 @@ def cut(
         plan = what.plan
         if ahead.forecast and cfg.plan_only:
             raise ValueError("forecast is of a run: leave out --plan-only")
+        if ahead.forecast and cfg.as_program is not None:
+            raise ValueError("forecast is of samples, not of targets: leave out --as-program")
         if not cfg.plan_only:
             made = ready(what, measure_of(cfg.measure), common.seed, before)
             forecast = foreseen(report, made, ahead, cfg)

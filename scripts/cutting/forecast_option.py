@@ -32,11 +32,12 @@ def foreseen(
     report: Report, made: Ready, asked: ForecastCfg, cfg: "LaserCfg | CutCfg"
 ) -> "Forecast | None":
     """Forecast of a cut, if asked for. Raises ValueError where motors, not asked for by name, would
-    make most robots worse, and beside --from."""
+    make most robots worse, and beside --from or --twin."""
     if not asked.forecast:
         return None
-    if made.earlier is not None:
-        raise ValueError("forecast is of a first run without correction: leave out --from")
+    if made.earlier is not None or cfg.twin is not None:
+        option = "--twin" if made.earlier is None else "--from"
+        raise ValueError(f"forecast is of a first run without correction: leave out {option}")
     from armside.sim.laser.forecast import ROBOTS, forecast
     from armside.sim.laser.tool_measure import ToolPath
 
@@ -45,7 +46,7 @@ def foreseen(
     law = (measure if isinstance(measure, ToolPath) else ToolPath()).law
     with report.progress("forecast", total=ROBOTS) as step:
         found = forecast(made.experiment.cut, motor=motor, law=law, step=step)
-    why = _objection(found, cfg)
+    why = found.objection(cfg.measure, cfg.iterations)
     if why is not None and cfg.measure == "motor" and not cfg.motor_by_name:
         raise ValueError(f"{why}; choose one of them, or ask for --measure motor by name")
     return found
@@ -57,7 +58,7 @@ def entries(
     """Entry of summary.json, and a note where most robots would end worse."""
     if found is None:
         return {}, []
-    why = _objection(found, cfg)
+    why = found.objection(cfg.measure, cfg.iterations)
     notes = [] if why is None else [Note(cause=Cause.FORECAST, text=why)]
     return {"forecast": asdict(found)}, notes
 
@@ -73,8 +74,3 @@ def show_forecast(report: Report, found: "Forecast | None") -> None:
     columns = ["learned from", "k", "median [%]", "5 %", "95 %", "robots that end worse [%]"]
     first = f"{1e6 * found.uncorrected:.3g} µm at k = 0"
     report.table(f"Forecast of the tool RMS, per cent of {first}", columns, rows)
-
-
-def _objection(found: "Forecast", cfg: "LaserCfg | CutCfg") -> str | None:
-    """Of what is learned from; of learning around a twin's correction nothing is forecast."""
-    return None if cfg.twin is not None else found.objection(cfg.measure, cfg.iterations)

@@ -47,7 +47,9 @@ def test_motors_by_name_are_learned_from_with_a_note(armside, tmp_path):
     ("line", "text"),
     [
         (f"{QUICK} --from {{folder}}", "leave out --from"),
+        (f"{QUICK} --twin {{folder}}", "leave out --twin"),
         ("cut examples.toml --plan-only --forecast", "leave out --plan-only"),
+        ("cut examples.toml --as-program krl --forecast", "leave out --as-program"),
     ],
 )
 @pytest.mark.usefixtures("bad")
