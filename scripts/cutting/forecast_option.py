@@ -11,7 +11,7 @@ from ..shell.options import options
 from .cut_run import Ready
 
 if TYPE_CHECKING:
-    from armside.sim.laser.forecast import Forecast
+    from armside.sim.laser.forecast import Forecast, Left
 
     from .options import LaserCfg
     from .part_options import CutCfg
@@ -55,12 +55,16 @@ def foreseen(
 def entries(
     found: "Forecast | None", cfg: "LaserCfg | CutCfg"
 ) -> tuple[dict[str, Any], list[Note]]:
-    """Entry of summary.json, and a note where most robots would end worse."""
+    """Entry of summary.json, and notes of what it assumed and where most robots would end worse."""
     if found is None:
         return {}, []
     why = found.objection(cfg.measure, cfg.iterations)
-    notes = [] if why is None else [Note(cause=Cause.FORECAST, text=why)]
-    return {"forecast": asdict(found)}, notes
+    texts = [*(f"forecast: {each}" for each in found.assumed), *([] if why is None else [why])]
+    return {"forecast": asdict(found)}, [Note(cause=Cause.FORECAST, text=text) for text in texts]
+
+
+def _name(one: "Left") -> str:
+    return one.measure if one.calibrated else f"{one.measure} (not calibrated)"
 
 
 def show_forecast(report: Report, found: "Forecast | None") -> None:
@@ -68,7 +72,7 @@ def show_forecast(report: Report, found: "Forecast | None") -> None:
     if found is None:
         return
     rows = [
-        [one.measure, one.updates, *(100.0 * x for x in (one.median, one.low, one.high, one.worse))]
+        [_name(one), one.updates, *(100.0 * x for x in (one.median, one.low, one.high, one.worse))]
         for one in found.left
     ]
     columns = ["learned from", "k", "median [%]", "5 %", "95 %", "robots that end worse [%]"]

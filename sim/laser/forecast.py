@@ -35,7 +35,7 @@ from ..estimation.nominal import NominalCfg, nominal_arm
 from ..estimation.relative_path import relative_to_start
 from ..estimation.rigid_motion import rigid_motion
 from ..estimation.tool_law import ToolLaw
-from ..instruments.imu import exact
+from ..instruments.imu import ImuCfg, exact
 from ..robot.run import cores
 from ..robot.spread import PRODUCTION, draw
 from .experiment import Experiment, Pass, prepare
@@ -75,8 +75,10 @@ CALIBRATION: Mapping[str, Calibration] = {
     "tracker": Calibration(1.0, 0.96, 0.08),
     "twin": Calibration(0.1, 0.68, 0.25),
 }
-"""Fitted to sixteen robots and tasks of development, those of a twin to ten tasks of one robot: how
-twins of several differ is an ESTIMATE."""
+"""Fitted on the large robot: to fifteen robots of development with a task each; those of a twin to
+nine tasks of one robot, so that they are an ESTIMATE."""
+CALIBRATED_ROBOT, UNCALIBRATED = "large", ("twin",)
+"""Robot that intervals were fitted on, and measures whose interval was not fitted to several."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,6 +94,8 @@ class Left:
     """Ends of the interval of 90 %."""
     worse: float
     """Share of robots that end above 1."""
+    calibrated: bool
+    """The interval was fitted to robots of this type."""
 
     @property
     def words(self) -> str:
@@ -109,6 +113,8 @@ class Forecast:
     robots: int
     """In the ensemble."""
     left: tuple[Left, ...]
+    assumed: tuple[str, ...] = ()
+    """What it takes for granted and does not know of this cut."""
 
     def of(self, measure: str, updates: int) -> Left:
         """The entry of a measure whose updates are nearest. Raises ValueError for another name."""
@@ -141,7 +147,8 @@ def forecast(
     measures: Collection[str] = tuple(CALIBRATION),
     step: Callable[[], object] = lambda: None,
 ) -> Forecast:
-    """Forecast of a cut by a robot of its type, whatever its individual: of that nothing is read.
+    """Forecast of a cut by a robot of its type, whatever its individual: of that nothing is read,
+    nor of a payload that the controller does not know.
 
     Args:
         motor, law: what motors and tool are learned with.
@@ -153,6 +160,7 @@ def forecast(
     """
     if unknown := [name for name in measures if name not in CALIBRATION]:
         raise ValueError(f"Unknown measure {unknown[0]!r}. Forecast are: {', '.join(CALIBRATION)}")
+    fitted = cut.robot == CALIBRATED_ROBOT and cut.model is None
     wanted = set(measures) - (set() if cut.robot == "large" else {"twin"})
     if robots < 3:
         raise ValueError(f"robots must be >= 3, got {robots}")
@@ -169,7 +177,7 @@ def forecast(
     )
     base = prepare(known)
     first = base.plant.run(np.zeros_like(base.loaded.reference))
-    of_tool = ToolPath(source=Source.TRACKER, law=law)
+    of_tool = ToolPath(source=Source.TRACKER, law=law, imu=cut.imu or ImuCfg())
     type_ = _Type(base, _known_arm(base, first, of_tool), motor, of_tool, frozenset(wanted))
     correction = type_.learned_in_model() if "twin" in wanted else None
     with ThreadPoolExecutor(cores()) as pool:
@@ -177,7 +185,16 @@ def forecast(
         for one in pool.map(lambda i: type_.member(i, correction), range(robots)):
             found.append(one)
             step()
-    return summarised(found, wanted)
+    assumed = list[str]()
+    if not fitted:
+        assumed.append(
+            f"its intervals are not calibrated for this robot: fitted on {CALIBRATED_ROBOT}"
+        )
+    if not cut.payload_known and cut.payload is not None:
+        assumed.append(
+            f"it is of the tool of the robot's file: that of {cut.payload:g} kg is unknown"
+        )
+    return replace(summarised(found, wanted, fitted), assumed=tuple(assumed))
 
 
 @dataclass(frozen=True)
@@ -207,8 +224,10 @@ def shares(measure: str, one: Member, identified: float) -> Array:
     return np.minimum(np.nan_to_num(left / one.without, nan=_LARGEST), _LARGEST)
 
 
-def summarised(found: list[Member], wanted: Collection[str] = tuple(CALIBRATION)) -> Forecast:
-    """Medians and intervals from the robots of an ensemble."""
+def summarised(
+    found: list[Member], wanted: Collection[str] = tuple(CALIBRATION), fitted: bool = True
+) -> Forecast:
+    """Medians and intervals from the robots of an ensemble. fitted: of the calibrated robot."""
     left = list[Left]()
     for measure, (identified, factor, spread) in CALIBRATION.items():
         if measure not in wanted:
@@ -225,6 +244,7 @@ def summarised(found: list[Member], wanted: Collection[str] = tuple(CALIBRATION)
                     low=float(low),
                     high=float(high),
                     worse=float(ndtr(m / w)),
+                    calibrated=fitted and measure not in UNCALIBRATED,
                 )
             )
     without = float(np.median([one.without for one in found]))

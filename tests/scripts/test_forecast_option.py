@@ -15,10 +15,18 @@ QUICK = "laser --radius 3 --speed 60 --iterations 1 --forecast"
 def bad(monkeypatch):
     """Motors leave 150 %, the tracker 3 %."""
     left = [
-        Left(measure=name, updates=5, median=share, low=0.5 * share, high=2.0 * share, worse=worse)
+        Left(
+            measure=name,
+            updates=5,
+            median=share,
+            low=0.5 * share,
+            high=2.0 * share,
+            worse=worse,
+            calibrated=name != "tracker",
+        )
         for name, share, worse in (("motor", 1.5, 0.8), ("tracker", 0.03, 0.0))
     ]
-    found = Forecast(uncorrected=2e-4, robots=8, left=tuple(left))
+    found = Forecast(uncorrected=2e-4, robots=8, left=tuple(left), assumed=("of fish",))
     monkeypatch.setattr(module, "forecast", lambda *_, **__: found)
 
 
@@ -40,7 +48,11 @@ def test_motors_by_name_are_learned_from_with_a_note(armside, tmp_path):
     assert "Forecast of the tool RMS, per cent of 200 µm" in out
     assert summary["forecast"]["uncorrected"] == 2e-4
     assert np.isclose(summary["forecast"]["left"][0]["median"], 1.5)
-    assert next(note["cause"] for note in summary["notes"]) == "forecast"
+    assert "tracker (not calibrated)" in out
+    assert "motor (not" not in out
+    texts = [note["text"] for note in summary["notes"] if note["cause"] == "forecast"]
+    assert texts[0] == "forecast: of fish"
+    assert texts[1].startswith("learning from motor is forecast to leave 150 %")
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
+from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import forecast as ahead
 from armside.sim.laser.forecast import CALIBRATION, Calibration, Member, forecast, summarised
 from armside.sim.laser.specification import Cut
@@ -100,3 +101,41 @@ def test_nothing_is_read_of_the_robot_that_cuts():
 def test_a_forecast_of_nothing_is_refused(options, text):
     with pytest.raises(ValueError, match=text):
         forecast(Cut(), **options)
+
+
+@pytest.mark.parametrize(
+    ("options", "assumed", "calibrated"),
+    [
+        ({}, [], True),
+        (
+            {"robot": "irb1400", "pose": "p1"},
+            ["not calibrated for this robot: fitted on large"],
+            False,
+        ),
+        ({"payload": 60.0, "payload_known": False}, ["that of 60 kg is unknown"], True),
+        ({"payload": 60.0}, [], True),
+    ],
+)
+def test_an_interval_is_called_calibrated_on_the_robots_it_was_fitted_on(
+    options, assumed, calibrated
+):
+    cut = Cut(radius=0.002, speed=0.06, **options)
+    found = forecast(cut, robots=3, measures=("motor",))
+    assert found.of("motor", 5).calibrated is calibrated
+    assert len(found.assumed) == len(assumed)
+    assert all(text in said for text, said in zip(assumed, found.assumed, strict=True))
+
+
+def test_a_twin_of_one_robot_is_not_called_calibrated():
+    found = summarised(ensemble([0.5, 0.6, 0.7]))
+    assert not found.of("twin", 0).calibrated
+    assert found.of("estimate", 5).calibrated
+
+
+def test_an_estimate_is_forecast_by_the_unit_at_the_tool():
+    """One of 20 Hz sees less of what springs do at 10 Hz and more."""
+    of_file, slow = (
+        forecast(Cut(radius=0.002, speed=0.06, imu=imu), robots=3, measures=("estimate",))
+        for imu in (None, ImuCfg(rate=20.0))
+    )
+    assert of_file.of("estimate", 5).median < slow.of("estimate", 5).median
