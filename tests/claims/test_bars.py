@@ -11,11 +11,11 @@ import pytest
 
 from armside.sim.cell import IRB1400_CELL
 from armside.sim.laser.design import default_design
-from armside.sim.notes import Tally
+from armside.sim.notes import Cause, Tally
 
 from .. import evidence
 from ..scripts.verdicts import CLOSE, fails_by_itself
-from . import estimation, estimation_controls, kinematics, laser_irb1400, robots
+from . import aliens, estimation, estimation_controls, kinematics, laser_irb1400, robots
 from ._engine import Rows
 from ._learned import POSES
 from .imu import axes, by_axis
@@ -100,14 +100,23 @@ CORRECTED = {
 }
 BY_IMU = {"_left": np.full(30, 0.05), "_inside": np.arange(30) < 27}
 FORESEEN = {
-    **{"measure": "motor", "refused": False, "corrected": True},
+    **{"measure": "motor", "refused": False, "corrected": True, "task": "slot", "_number": 0},
     **{"_worse": [0.0, 0.0], "_said": [0.0, 0.0], "_inside": [True, True]},
 }
 MISSED = FORESEEN | {"_inside": [False, False]}
+_FAST = {"measure": "estimate", "task": "slot, fast", "_said": [0.1, 0.0]}
+BY_ESTIMATE = [
+    *[FORESEEN | _FAST | {"refused": True}] * 2,
+    *[MISSED | _FAST] * 2,
+    *[FORESEEN | _FAST] * 6,
+    *[FORESEEN | _FAST | {"_number": 1, "_said": [0.0, 0.0]}] * 10,
+]
+"""Fast tasks: two estimates are refused, and of the others two miss."""
 OUTSIDE = {
-    **{"_left": np.full(6, 0.05), "_flagged": np.zeros(6, bool), "_inside": np.ones(6, bool)},
+    **{"_left": np.full(6, 0.05), "_refused": np.zeros(6, bool), "_inside": np.ones(6, bool)},
+    **{"_unlearned": np.zeros(3, bool)},
     **{"_learned": np.full(3, 0.05), "_noted": np.zeros(3, bool), "_foreseen": np.ones(3, bool)},
-    **{"effect": "hysteresis", "_width": np.full(6, 0.1)},
+    **{"effect": "hysteresis"},
 }
 
 BASES: dict[str, list[dict[str, Any]]] = {
@@ -135,7 +144,7 @@ BASES: dict[str, list[dict[str, Any]]] = {
     "knob-free": [KNOB_FREE] * 3,
     "first-cut": [CORRECTED],
     "first-cut-imu": [BY_IMU],
-    "forecast": [MISSED] * 2 + [FORESEEN] * 18,
+    "forecast": [MISSED] * 2 + [FORESEEN] * 18 + BY_ESTIMATE,
     "forecast-twin": [MISSED | {"_inside": False}] * 2 + [FORESEEN | {"_inside": True}] * 18,
     "aliens": [OUTSIDE | {"effect": "none"}, OUTSIDE],
 }  # fmt: skip
@@ -306,15 +315,25 @@ BARS = [
         bar("first-cut-imu", "_inside", inside(good), inside(bad), "inside the interval")
         for good, bad in ((26, 25), (28, 29))
     ),
-    bar("forecast", "_inside", [True, True], [False, True], "motor, k = 5: inside the interval", 2),
-    bar("forecast", "_inside", [True, True], [True, False], "motor, k = 20: inside", 2),
-    bar("forecast", "_said", [0.099, 0.0], [0.101, 0.0], "motor, k = 5: share that ends worse", 20),
+    *(
+        bar("forecast", "_inside", [True, True], out, f"estimate, fast, k = {k}: inside", 2)
+        for k, out in ((5, [False, True]), (20, [True, False]))
+    ),
+    Bar("forecast", {"_worse": [1.0, 0.0], "_said": [0.901, 0.0]},
+        {"_worse": [1.0, 0.0], "_said": [0.899, 0.0]}, "k = 5: share that ends worse", 10),
+    bar("forecast", "refused", False, True, "estimate, fast: refused"),
     bar("forecast-twin", "_inside", True, False, "inside the interval of 90 %", 2),
     bar("aliens", "_left", np.full(6, 0.0999), np.full(6, 0.1001), "median left by the twin"),
     bar("aliens", "_learned", np.full(3, 0.1199), np.full(3, 0.1201), "left by the estimate"),
     bar("aliens", "_left", *(np.append(np.full(5, 0.05), w) for w in (1.0, 1.01)), "nothing ends"),
-    bar("aliens", "_inside", inside(21), inside(20), "in the twin's interval, or that is wider"),
-    bar("aliens", "_foreseen", inside(21), inside(20), "in the forecast interval"),
+    # of thirty the last ten are refused, and do not count as inside
+    *(
+        Bar("aliens", *({**ends, key: inside(n), refused: ~inside(20)} for n in (14, 13)), words)
+        for ends, key, refused, words in (
+            ({"_left": LEFT_10}, "_inside", "_refused", "in the twin's interval, of 20 of 30"),
+            ({}, "_foreseen", "_unlearned", "in the forecast interval, of 20 of 30"),
+        )
+    ),
 ]  # fmt: skip
 
 
@@ -528,3 +547,7 @@ def test_four_of_five_seeds_must_hold_in_chapter_9(bad, holds):
 
 def test_axes_of_a_vector_are_columns_of_their_own():
     assert axes("a RMS") == list(vector("a RMS"))
+
+
+def test_the_flags_of_aliens_are_those_of_a_user_without_a_tracker():
+    assert {Cause.IMU, Cause.GUARD} == aliens.FLAGS
