@@ -26,6 +26,8 @@ class AlienEffect:
     name: str
     size: float = 1.0
     """Over the median of `ALIEN`."""
+    number: int = 0
+    """Phases are drawn with."""
 
     def __post_init__(self) -> None:
         if self.name not in ALIEN:
@@ -34,14 +36,17 @@ class AlienEffect:
             raise ValueError(f"size of {self.name} must be >= 0, got {self.size}")
 
 
+RUN_FRICTION = "run-friction"
+"""Effect that goes with `Effect.LOAD_FRICTION` where that is left out."""
 STIFFENING = 0.8
 """Tangent stiffness of a gear at its rated torque over that without load, less 1: K3 / K1 of strain
-wave gears of size 25 (Harmonic Drive, engineering data of CSF). Of cycloidal gears it is less."""
+wave gears of size 25 (engineering data of CSF by Harmonic Drive, second hand, not verified). Of
+cycloidal gears it is less."""
 RATED = 0.5
 """Rated torque of a gear over the peak torque of its drive. ESTIMATE"""
 HYSTERESIS = 0.03
-"""Half height of the hysteresis loop of a gear, over its rated torque: makers state lost motion in
-the loop between +-3 % of it (Nabtesco, RV catalogue). ESTIMATE that it is dry."""
+"""Half height of the hysteresis loop of a gear, over its rated torque, dry. ESTIMATE, of the size
+of the +-3 % at which makers state lost motion: that is no measured height."""
 WARMING, WARMING_TIME = 5.0, 1.0
 """Rise of the grease's temperature in contact [K], and its time constant [s]. ESTIMATE"""
 HOSE_STIFFNESS, HOSE_DAMPING, HOSE_FRICTION, HOSE_REST = 40.0, 4.0, 8.0, 0.5
@@ -52,10 +57,11 @@ TOOL_STIFFNESS, TOOL_DAMPING_RATIO = 6e4, 0.02
 """
 FLOOR_MASS, FLOOR_FREQUENCY, FLOOR_DAMPING_RATIO = 3000.0, 9.0, 0.03
 """What moves with the robot [kg] (ESTIMATE), and its mode [Hz]: floors of halls on steel have 4 to
-9 Hz and damping ratios of 0.02 to 0.05 (AISC Design Guide 11, 2016)."""
+9 Hz and damping ratios of 0.02 to 0.05 (AISC Design Guide 11, 2016; second hand, not verified)."""
 ECCENTRICITY = (5.0, 3.0)
 """[arcmin] of the motor, once and three times a revolution: resolvers are good to 10 (Tamagawa,
-Smartsyn TS2620)."""
+Smartsyn TS2620; second hand, not verified). Once a revolution is also an order of the gear error
+that a twin identifies; only the third is outside our models."""
 NOTCH, NOTCH_QUALITY, NOTCH_DEPTH = 11.0, 1.0, 0.7
 """Set points of a servo that spares a mode: [Hz], quality, and the part of that frequency that is
 taken out. ESTIMATE"""
@@ -115,32 +121,32 @@ def rated_torque(model: RobotModel) -> Array:
     return RATED * model.drives.torque_limit * np.abs(model.drives.gear)
 
 
-def _hardening(model: RobotModel, size: float) -> RobotModel:
+def _hardening(model: RobotModel, effect: AlienEffect) -> RobotModel:
     """torque = k q + b q^3 with k + 3 b q^2 = (1 + STIFFENING) k at the wind-up of rated torque."""
     k = gear_stiffness(model)
     wound = rated_torque(model) / k
     joints = model.mj.dof_jntid[model.flex]
-    model.mj.jnt_stiffnesspoly[joints, 1] = size * STIFFENING * k / (3.0 * wound**2)
+    model.mj.jnt_stiffnesspoly[joints, 1] = effect.size * STIFFENING * k / (3.0 * wound**2)
     return model
 
 
-def _hysteresis(model: RobotModel, size: float) -> RobotModel:
+def _hysteresis(model: RobotModel, effect: AlienEffect) -> RobotModel:
     """Dry friction beside the spring, which a default constraint would let creep."""
     mj = model.mj
-    mj.dof_frictionloss[model.flex] = size * HYSTERESIS * rated_torque(model)
+    mj.dof_frictionloss[model.flex] = effect.size * HYSTERESIS * rated_torque(model)
     mj.dof_solref[model.flex] = 2.0 * model.timestep, 1.0
     mj.dof_solimp[model.flex, :2] = 0.999
     return model
 
 
-def _eccentric(model: RobotModel, size: float) -> RobotModel:
+def _eccentric(model: RobotModel, effect: AlienEffect) -> RobotModel:
     """A reading off by d is one of a gear off by -d."""
     n, gear = model.n_axes, model.drives.gear
-    radians = size * np.deg2rad(np.array(ECCENTRICITY) / 60.0)
+    radians = effect.size * np.deg2rad(np.array(ECCENTRICITY) / 60.0)
     own = GearError(
         amplitude=np.asarray(radians / np.abs(gear)[:, None], dtype=np.float64),
         order=np.column_stack([gear, 3.0 * gear]),
-        phase=1.3 * np.arange(2.0 * n).reshape(n, 2),  # any: no two discs sit alike
+        phase=np.random.default_rng(effect.number).uniform(0.0, 2.0 * np.pi, (n, 2)),
     )
     if (known := model.gear_error) is None:
         return replace(model, gear_error=own)
@@ -212,22 +218,22 @@ def _drive(model: RobotModel) -> AlienDrive:
     return AlienDrive(scale=scale, temperature=warm)
 
 
-def _friction(model: RobotModel, size: float) -> RobotModel:
-    return replace(model, own_drive=replace(_drive(model), friction=size))
+def _friction(model: RobotModel, effect: AlienEffect) -> RobotModel:
+    return replace(model, own_drive=replace(_drive(model), friction=effect.size))
 
 
-def _servo(model: RobotModel, size: float) -> RobotModel:
-    return replace(model, own_drive=replace(_drive(model), servo=size))
+def _servo(model: RobotModel, effect: AlienEffect) -> RobotModel:
+    return replace(model, own_drive=replace(_drive(model), servo=effect.size))
 
 
 _Built = Callable[[mujoco.MjSpec, float], None]
-_Tuned = Callable[[RobotModel, float], RobotModel]
+_Tuned = Callable[[RobotModel, AlienEffect], RobotModel]
 ALIEN: Mapping[str, tuple[_Built | None, _Tuned | None]] = {
     "hardening": (None, _hardening),
     "hysteresis": (None, _hysteresis),
-    "run-friction": (None, _friction),
+    RUN_FRICTION: (None, _friction),
     "hose": (_hose, None),
-    "bending-tool": (_tool, None),
+    "swinging-head": (_tool, None),
     "soft-floor": (_floor, None),
     "eccentric-encoder": (None, _eccentric),
     "own-servo": (None, _servo),
@@ -247,9 +253,16 @@ def built(design: RobotModel, effects: Sequence[AlienEffect]) -> RobotModel:
     return robot_model(spec)
 
 
-def tuned(model: RobotModel, effects: Sequence[AlienEffect]) -> RobotModel:
-    """Model of an individual, which is changed, with the effects of `built` and the others."""
+def tuned(
+    model: RobotModel, effects: Sequence[AlienEffect], temperature: float | None = None
+) -> RobotModel:
+    """Model of an individual, which is changed, with the effects of `built` and the others.
+
+    temperature: of the gears at the start [deg C]; that of the robot's file if None.
+    """
     for each in effects:
         if (tune := ALIEN[each.name][1]) is not None:
-            model = tune(model, each.size)
+            model = tune(model, each)
+    if temperature is not None and isinstance(model.own_drive, AlienDrive):
+        model = replace(model, own_drive=replace(model.own_drive, temperature=temperature))
     return model

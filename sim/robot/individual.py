@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 
 from armside.arrays import Array
 
-from .alien import AlienEffect, built, tuned
+from .alien import RUN_FRICTION, AlienEffect, built, tuned
 from .drives import N_HARMONICS
-from .effects import Effect, FrictionFactors, with_effects
+from .effects import Effect, FrictionFactors, available, with_effects
 from .mjcf import ModelError, axes_of, axis_actuators
 from .model import RobotModel, robot_model
 
@@ -186,8 +186,10 @@ def embodied(
     factors = FrictionFactors(
         individual.friction_constant, individual.friction_load, individual.static_excess
     )
+    left_out = {RUN_FRICTION} if Effect.LOAD_FRICTION in available(design) - set(effects) else set()
+    alien = [each for each in individual.alien if each.name not in left_out]
     model = with_effects(model, effects, phi=phi, friction=factors, temperature=temperature)
-    return tuned(with_individual(model, individual), individual.alien)
+    return tuned(with_individual(model, individual), alien, temperature)
 
 
 def with_individual(model: RobotModel, individual: Individual) -> RobotModel:

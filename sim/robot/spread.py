@@ -178,7 +178,9 @@ class Alien(Drawn):
         sizes = dict(
             zip(ALIEN, np.exp(_ALIEN_SPREAD * rng.standard_normal(len(ALIEN))), strict=True)
         )
-        effects = tuple(AlienEffect(name, float(sizes.get(name, 1.0))) for name in names)
+        effects = tuple(
+            AlienEffect(name, float(sizes.get(name, 1.0)), self.number) for name in names
+        )
         return replace(super().of(design), alien=effects)
 
 

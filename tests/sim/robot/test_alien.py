@@ -9,6 +9,7 @@ from armside.sim.laser.experiment import prepare
 from armside.sim.laser.specification import Cut
 from armside.sim.robot import alien
 from armside.sim.robot.alien import ALIEN, AlienEffect
+from armside.sim.robot.effects import Effect
 from armside.sim.robot.individual import Individual, embodied
 from armside.sim.robot.model import load_model
 from armside.sim.robot.run import measured_angle
@@ -17,13 +18,14 @@ from armside.sim.robot.statics import Statics
 
 DESIGN = load_model(assets.LARGE_ROBOT_XML)
 PHI = np.array([0.1, 0.2, -0.1, 0.3, 0.4, -0.2])
+LOADED = (Effect.LOAD_FRICTION,)
 ARCMIN = np.pi / 180.0 / 60.0
 
 
-def robot(*names):
+def robot(*names, of_its_own=(), **state):
     """The design with effects of median size, and none of its own."""
     effects = tuple(AlienEffect(name) for name in names)
-    return embodied(DESIGN, Individual(alien=effects), (), phi=PHI)
+    return embodied(DESIGN, Individual(alien=effects), of_its_own, phi=PHI, **state)
 
 
 def passive(model, qpos):
@@ -72,7 +74,7 @@ def test_a_gear_that_is_loaded_and_unloaded_keeps_the_width_of_its_hysteresis():
 
 
 def test_friction_within_a_run_follows_the_load_and_falls_as_grease_warms():
-    drives, drive = DESIGN.drives, robot("run-friction").own_drive
+    drives, drive = DESIGN.drives, robot("run-friction", of_its_own=LOADED).own_drive
     time, ones = np.array([0.0, 1.0, 3.0]), np.ones((3, 6))
     gear = np.abs(drives.gear)
     peak = drives.torque_limit * gear
@@ -97,7 +99,7 @@ def test_a_hose_pulls_its_three_axes_alike_and_no_other():
 
 
 def test_a_tool_bends_by_its_weight_over_its_bracket():
-    model = robot("bending-tool")
+    model = robot("swinging-head")
     qpos, data = Statics(model).equilibrium(PHI).qpos, mujoco.MjData(model.mj)
     data.qpos[:] = qpos
     mujoco.mj_forward(model.mj, data)
@@ -182,3 +184,19 @@ def test_hysteresis_is_of_the_rated_torque_of_each_gear():
     loss = robot("hysteresis").mj.dof_frictionloss[DESIGN.flex]
     assert loss == pytest.approx(0.015 * DESIGN.drives.torque_limit * DESIGN.drives.gear)
     assert alien.rated_torque(DESIGN)[0] == pytest.approx(0.5 * 30.0 * 220.0)
+
+
+def test_friction_within_a_run_starts_at_the_temperature_and_is_left_out_with_load_friction():
+    warm = robot("run-friction", of_its_own=LOADED, temperature=61.0).own_drive
+    assert warm.temperature == 61.0
+    assert robot("run-friction").own_drive is None
+
+
+def test_encoders_of_two_robots_are_eccentric_in_other_phases():
+    one, other = (
+        embodied(DESIGN, Alien(number, effect="eccentric-encoder").of(DESIGN), (), phi=PHI)
+        for number in (3, 4)
+    )
+    phases = [model.gear_error.phase[:, -2:] for model in (one, other)]
+    assert np.abs(phases[0] - phases[1]).min() > 0.0
+    assert np.unique(phases).size == 24
