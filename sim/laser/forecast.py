@@ -131,10 +131,11 @@ class Forecast:
         others = {each.measure: self.of(each.measure, updates) for each in self.left}
         better = [f"{x.measure} {100 * x.median:.2g} %" for x in others.values() if x.worse < 0.5]
         instead = f"; the forecast of others: {', '.join(better)}" if better else ""
+        doubt = "" if own.calibrated else ", not calibrated for this robot,"
         return (
-            f"learning from {measure} is forecast to leave {own.words} of the tool's error after "
-            f"{own.updates} updates, and {100 * own.worse:.0f} % of robots end worse than without"
-            f"{instead}"
+            f"learning from {measure} is forecast to leave {own.words}{doubt} of the tool's "
+            f"error after {own.updates} updates, and {100 * own.worse:.0f} % of robots end worse "
+            f"than without{instead}"
         )
 
 

@@ -139,3 +139,10 @@ def test_an_estimate_is_forecast_by_the_unit_at_the_tool():
         for imu in (None, ImuCfg(rate=20.0))
     )
     assert of_file.of("estimate", 5).median < slow.of("estimate", 5).median
+
+
+@pytest.mark.parametrize("fitted", [True, False])
+def test_an_objection_says_that_it_is_not_calibrated(plain, fitted):
+    why = summarised(ensemble([1.2, 1.3, 1.4]), fitted=fitted).objection("motor", 5)
+    assert why is not None
+    assert ("not calibrated for this robot" in why) != fitted
