@@ -260,6 +260,21 @@ def shown(rows: Rows) -> Iterator[Row]:
             "robot runs on other tasks": others,
             "on each task": each,
         }
+    tool = rows.by("kind")["tool"]["logs"]
+    for name, logs in (("learning from the estimate", tool), (ORACLE, found.logs(ORACLE))):
+        own = logs[: len(tool)]
+        yield {
+            "baseline": f"{name}, first {len(tool)} tasks",
+            "RMS after / before, geometric mean": float(np.exp(own.mean())),
+            "over the thesis design's (95 % interval)": against(
+                own, found.logs(THE_THESIS)[: len(own)]
+            ),
+            "over the best fixed design's": against(own, found.logs(HINDSIGHT)[: len(own)]),
+            "worst after / before": float(np.exp(own.max())),
+            "largest criterion": np.nan,
+            "robot runs on other tasks": 0,
+            "on each task": RUNS if logs is tool else found[ORACLE][3],
+        }
 
 
 def against(one: Array, other: Array) -> str:
