@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 import armside
+from armside.kinematics.cache import cache_folder, loaded_files
 
 from . import worker
 from .frames import LONGEST_TEXT, FrameError, packed, unpacked
@@ -26,7 +27,10 @@ STARTING = 60.0
 CHUNK = 1 << 20
 LIBRARIES = ("site-packages", "dist-packages")
 """Names of the folders of libraries; no other folder of the machine is seen."""
-PRELOADED = ["scipy.signal", "scipy.linalg", "armside.ilc.filters", "armside.ilc.laws"]
+PRELOADED = [
+    *("scipy.signal", "scipy.linalg", "armside.ilc.filters", "armside.ilc.laws"),
+    "armside.sim.contest.read_only_cache",
+]
 """Modules that entries find loaded, which would take each most of a second."""
 
 
@@ -75,6 +79,9 @@ class EntryProcess:
         asked = {
             "libraries": _outermost([sys.base_prefix, *paths, *rooms]),
             **{"path": paths, "root": self._folder.name},
+            "cache": {
+                str(f.relative_to(cache_folder().parents[1])): str(f) for f in loaded_files()
+            },
             **{"memory": MEMORY, "isolate": self.isolate, "preloaded": PRELOADED},
         }
         python = os.path.realpath(sys.executable)

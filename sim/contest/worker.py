@@ -28,8 +28,10 @@ READ_ONLY, NO_SETUID, NO_DEVICES, REMOUNT, BIND, RECURSIVE, PRIVATE = (
 PIVOT_ROOT = {"x86_64": 155, "aarch64": 41}
 DETACH, NO_NEW_PRIVILEGES, DIE_WITH_PARENT, DUMPABLE = 2, 38, 1, 4
 SYSTEM = ("/usr", "/lib", "/lib64", "/bin", "/etc/ld.so.cache", "/dev/null", "/dev/urandom")
-HOME = "/entry"
-"""Working folder of an entry, empty."""
+HOME, CACHE = "/entry", "/cache"
+"""Working folder of an entry, empty; generated code of armside, that it need not compile again."""
+ROOM = 1 << 29
+"""[bytes] of both, in memory."""
 FILES = 64 << 20
 """[bytes], largest file of an entry."""
 _libc = ctypes.CDLL(None, use_errno=True)
@@ -44,7 +46,7 @@ def _mount(source: str, target: str, kind: str = "", flags: int = 0, data: str =
     _try(_libc.mount(source.encode(), target.encode(), kind.encode(), flags, data.encode()))
 
 
-def isolate(libraries: list[str], root: str) -> list[str]:
+def isolate(libraries: list[str], root: str, cache: dict[str, str]) -> list[str]:
     """Leave the file system, processes and network of the machine; what of it was left."""
     uid, gid = os.getuid(), os.getgid()
     try:
@@ -64,19 +66,26 @@ def isolate(libraries: list[str], root: str) -> list[str]:
         os._exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) & 0xFF)
     _libc.prctl(DIE_WITH_PARENT, 9)
     try:
-        _enter(libraries, root)
+        _enter(libraries, root, cache)
     except OSError:  # a system may grant namespaces, and no mounts in them
         os.chdir(root)
         return ["network"]
     return ["file system", "processes", "network"]
 
 
-def _enter(libraries: list[str], root: str) -> None:
+def _enter(libraries: list[str], root: str, cache: dict[str, str]) -> None:
     """Make a file system of the libraries and an empty folder, and leave the machine's."""
     _mount("none", "/", flags=RECURSIVE | PRIVATE)
-    _mount("tmpfs", root, "tmpfs", NO_SETUID | NO_DEVICES, f"size={FILES},mode=755")
+    _mount("tmpfs", root, "tmpfs", NO_SETUID | NO_DEVICES, f"size={ROOM},mode=755")
     for path in (*SYSTEM, *libraries):
         _bind(path, root + path)
+    os.mkdir(root + CACHE)
+    for place, file in cache.items():
+        target = f"{root}{CACHE}/{place}"
+        os.makedirs(os.path.dirname(target), exist_ok=True)
+        shutil.copy2(file, target)  # with its time, by which numba knows it
+        os.chmod(target, 0o644)
+    _bind(root + CACHE, root + CACHE, anew=True)
     os.mkdir(root + HOME, 0o777)
     os.chmod(root + HOME, 0o777)
     os.mkdir(root + "/old")
@@ -86,12 +95,12 @@ def _enter(libraries: list[str], root: str) -> None:
     os.rmdir("/old")
 
 
-def _bind(path: str, target: str) -> None:
+def _bind(path: str, target: str, anew: bool = False) -> None:
     if os.path.islink(path):
         os.makedirs(os.path.dirname(target), exist_ok=True)
         os.symlink(os.readlink(path), target)
         return
-    if not os.path.exists(path) or os.path.exists(target):
+    if not os.path.exists(path) or (os.path.exists(target) and not anew):
         return
     os.makedirs(target if os.path.isdir(path) else os.path.dirname(target), exist_ok=True)
     if not os.path.isdir(path):
@@ -201,12 +210,14 @@ def main() -> None:
     for stream in (0, 1, 2):
         os.dup2(null, stream)
     os.close(null)
-    isolation = isolate(asked["libraries"], asked["root"]) if asked["isolate"] else []
+    isolation = []
+    if asked["isolate"]:
+        isolation = isolate(asked["libraries"], asked["root"], asked["cache"])
     isolation += drop(asked["memory"])
     sys.path[:0] = asked["path"]
     sys.argv = [""]
     # Threads of BLAS that wait for a busy core make small matrices much slower.
-    os.environ["HOME"] = os.getcwd()
+    os.environ.update({"HOME": os.getcwd(), "XDG_CACHE_HOME": CACHE})
     os.environ.update({f"{name}_NUM_THREADS": "1" for name in ("OPENBLAS", "OMP", "NUMBA")})
     serve(given, taken, isolation, asked["preloaded"])
 

@@ -47,8 +47,8 @@ ATTEMPTS = {
             return held
 """,
     "environment": """
-            return [k for k in os.environ if k not in (
-                "HOME", "LC_CTYPE", "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS")]
+            known = "HOME XDG_CACHE_HOME LC_CTYPE"
+            return [k for k in os.environ if k not in known and not k.endswith("_NUM_THREADS")]
 """,
     "memory of the parent": """
             read = []
