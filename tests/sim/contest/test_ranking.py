@@ -59,33 +59,29 @@ def test_entries_that_do_not_differ_share_a_rank():
     assert found["bad"].low < found["bad"].score < found["bad"].high
 
 
-def result(name, left, first=0):
+def result(name, left, first=0, lost=()):
     rows = [
         {
-            "index": first + i,
-            "left": x,
-            "curve": [x],
-            "harm": x > 1.05,
-            "runs": 1,
-            "seconds": 0.0,
-            "reason": "",
+            **{"index": first + i, "left": x, "curve": [x], "harm": x > 1.05, "runs": 1 + i},
+            **{"seconds": 0.25 * i, "reason": "raised" if i in lost else ""},
         }
         for i, x in enumerate(left)
     ]
-    return {
-        "track": "joint",
-        "round": "a",
-        "salt_sha256": "",
-        "entry": {"name": name},
-        "tasks": rows,
-    }
+    about = {"track": "joint", "round": "a", "salt_sha256": ""}
+    return {**about, "entry": {"name": name}, "tasks": rows}
 
 
 def test_a_table_ranks_on_the_tasks_that_all_results_have():
-    rows, n = table([result("a", [0.5, 0.5, 9.0]), result("b", [4.0, 4.0], first=1)])
-    assert n == 2
+    one = result("a", [0.5, 0.5, 9.0], lost=[2])
+    rows, n = table([one, result("b", [4.0, 4.0], first=1)])
+    assert n == 2  # tasks 1 and 2
     assert [row["left"] for row in rows] == pytest.approx([np.sqrt(4.5), 4.0])
     assert [row["harm"] for row in rows] == [0.5, 1.0]
+    assert [row["worst"] for row in rows] == [9.0, 4.0]
+    assert [row["lost"] for row in rows] == [1, 0]
+    assert [row["runs"] for row in rows] == [2.5, 1.5]
+    assert [row["seconds"] for row in rows] == [0.375, 0.125]
+    assert [row["reasons"] for row in rows] == [["raised"], []]
 
 
 @pytest.mark.parametrize(
