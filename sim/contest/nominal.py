@@ -59,7 +59,7 @@ def pass_of(reference: Array, records: Mapping[str, Any]) -> Pass:
         qpos=none,
     )
     log = Recording(
-        time=LOG_PERIOD * np.arange(len(reference)),
+        time=np.asarray(LOG_PERIOD * np.arange(len(reference)), dtype=np.float64),
         reference=reference,
         correction=records["correction"],
         motor_angle=records["motor_angle"],

@@ -7,10 +7,6 @@ from typing import Any
 
 from numba.core import caching
 
-
-def _nothing(*_: Any) -> None:
-    """In place of a check that the cache can be written to, and of writing."""
-
-
+_nothing: Any = lambda *_: None  # noqa: E731 - in place of two methods
 caching._CacheLocator.ensure_cache_path = _nothing
 caching.Cache.save_overload = _nothing

@@ -27,7 +27,7 @@ ON_MODELS = ("norm_optimal", "knob_free", "time_reversal", "ai_mole", "dual_ilc"
 CHEAT = "cheat"
 JOINT = (*ON_MOTORS, *ON_MODELS, CHEAT)
 ROBOT: Mapping[str, tuple[str, ...]] = {
-    "motor": (*ON_MOTORS, *ON_MODELS),
+    "motor": (*ON_MOTORS, *ON_MODELS, "ppo"),
     "imu": ("nothing", "thesis", "estimate"),
     "tracker": ("nothing", "thesis", "tracker"),
     "first": ("nothing", "twin"),

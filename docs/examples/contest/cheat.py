@@ -22,7 +22,7 @@ class Entry:
         Q = ZeroPhaseButterworth(17.0, task.sample_time)
         self.law = Heuristic(Q=Q, gamma=0.9, delta=5)
         if task.track == "joint" and (plant := found(task.reference)) is not None:
-            weights = QuadraticCriterion(correction=1e-8, change=1e-3)
+            weights = QuadraticCriterion(correction=1e-3, change=1e-3)
             T_u = plant.loop.T_motor
             self.law = NormOptimal(T_u=T_u, n_samples=len(zero), criterion=weights)
             zero = self.law(zero, task.reference - T_u.simulate(task.reference))
