@@ -279,8 +279,8 @@ def _track(
     )
 
 
-SECONDS = 600.0
-"""For each answer: a twin is commissioned in one."""
+SECONDS = 1800.0
+"""For each answer: a twin is commissioned in one, in minutes."""
 _RMS = "true tool RMS left in the last run"
 TRACKS: Mapping[str, Track] = {
     **{name: _track(name, _RMS, partial(draw, name)) for name in ("motor", "imu", "tracker")},

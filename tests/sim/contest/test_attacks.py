@@ -7,6 +7,10 @@ reports what it found as an error, whose text is the reason of the lost task.
 import hashlib
 import os
 import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,6 +33,16 @@ ATTEMPTS = {
             paths = [{secret!r}, {here!r}, "/home", "/etc/passwd", "/etc/shadow", "/proc", "/sys"]
             folder = os.path.dirname({secret!r})
             return [p for p in (*paths, folder) if os.path.exists(p)] + glob.glob("/*/*.salt")
+""",
+    "writing beyond its folder": """
+            written = []
+            for folder in ("/", "/cache", "/usr", "/dev", os.path.dirname(os.__file__)):
+                try:
+                    open(os.path.join(folder, "note"), "w").close()
+                    written.append(folder)
+                except OSError:
+                    pass
+            return written
 """,
     "garbage collector": """
             return [type(o) for o in gc.get_objects() if isinstance(o, dict)
@@ -209,3 +223,35 @@ def test_an_entry_remembers_nothing_of_the_task_before(process):
 def test_no_more_memory_is_had_than_allowed(process):
     body = "            return len(bytearray(1 << 33))"
     assert reason(process, START.format(body=body)).startswith("MemoryError")
+
+
+HANGING = """
+import sys, time
+from armside.sim.contest.entry_process import EntryProcess
+process = EntryProcess()
+process.load("class Entry:\\n def start(self, task):\\n  while True: pass")
+print(process._process.pid, flush=True)
+process.call("start", {"a": 1}, (1, 1), 600.0)
+"""
+
+
+def test_an_entry_ends_with_a_judge_that_is_killed():
+    judge = subprocess.Popen([sys.executable, "-c", HANGING], stdout=subprocess.PIPE, text=True)
+    assert judge.stdout is not None
+    pid = int(judge.stdout.readline())
+    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+    judge.kill()
+    judge.communicate()
+    until = time.monotonic() + 30.0
+    alive = [Path("/proc") / str(p) for p in (pid, *children)]
+    while any(map(_runs, alive)) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert not any(map(_runs, alive))
+
+
+def _runs(process):
+    """Neither gone nor a zombie that nobody has waited for."""
+    try:
+        return process.joinpath("stat").read_text().rsplit(")")[-1].split()[0] != "Z"
+    except OSError:
+        return False
