@@ -2,7 +2,8 @@
 
 Each seed is ten tasks of both rounds, whose salts are the SHA-256 of a word each: they stand here,
 so these rounds are judged by a claim and not by anybody's honesty. All settings of the entries were
-chosen on the public tasks 1000 to 1005 of the joint. `contest-robot` has fewer tasks on the other
+chosen on the public tasks 1000 to 1005 of the joint. The first three tasks of a round claim-1 were
+played while this was written, so it judges no longer. `contest-robot` has fewer tasks on the other
 tracks. The cheat knows the public tasks 0 to 99, which are played too.
 """
 
@@ -44,7 +45,7 @@ def _round(name: str) -> Round:
     return Round(name, hashlib.sha256(salt).hexdigest(), salt)
 
 
-ROUNDS = {"public": development(), "1": _round("claim-1"), "2": _round("claim-2")}
+ROUNDS = {"public": development(), "1": _round("claim-3"), "2": _round("claim-4")}
 
 
 def run(case: tuple[int, tuple[str, str]], tally: Tally) -> Iterator[Row]:
