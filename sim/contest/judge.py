@@ -16,12 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from armside.arrays import Array
-
 from ..notes import GROWTH
 from ..records.files import InputError, check_file, reading
 from .entry_process import EntryError, EntryProcess
-from .seal import DEVELOPMENT, Round
+from .seal import Round
 from .task import Task, Track
 from .tracks import track as track_of
 
@@ -61,30 +59,20 @@ def play(source: str, task: Task, track: Track, entry: EntryProcess) -> Row:
     except EntryError as lost:
         reason = str(lost)
         entry.close()
-    isolation = entry.isolation
     runs = len(errors)
-    if not reason:
-        if not errors or track.goes_on:
-            errors += [task.run(k, correction)[1] for k in range(runs, track.runs if errors else 1)]
-        return _scored(np.array(errors), plain, track) | {
-            **{"runs": runs, "seconds": took, "reason": "", "isolation": isolation}
-        }
-    curve = np.array(errors) / plain[: len(errors)] if len(plain) > 1 else np.array(errors) / plain
-    return {
-        **{"left": LARGEST, "curve": curve.tolist(), "harm": True, "runs": runs},
-        **{"seconds": took, "reason": reason, "isolation": isolation},
-    }
-
-
-def _scored(errors: Array, plain: Array, track: Track) -> Row:
-    of = plain if len(plain) > 1 else np.full(len(errors), plain[0])
-    curve = errors / of[: len(errors)]
-    finite = bool(np.isfinite(errors).all())
-    left = track.left(errors, plain) if finite else LARGEST
+    if not reason:  # one that returns nothing at first is left without correction
+        until = track.runs if track.goes_on else max(runs, 1)
+        errors += [task.run(k, correction)[1] for k in range(runs, until)]
+    each = np.array(errors)
+    curve = each / (plain[: len(each)] if len(plain) > 1 else plain[0])
+    if not (reason or np.isfinite(curve).all()):
+        reason = "a run of the robot is not finite"
+    left = LARGEST if reason else track.left(each, plain)
     return {
         "left": float(np.clip(left, SMALLEST, LARGEST)),
         "curve": np.where(np.isfinite(curve), curve, LARGEST).tolist(),
-        "harm": not finite or bool((curve > GROWTH).any()),
+        "harm": bool(reason) or bool((curve > GROWTH).any()),
+        **{"runs": runs, "seconds": took, "reason": reason, "isolation": entry.isolation},
     }
 
 
@@ -196,17 +184,6 @@ def checked(result: Row, source: str, round: Round) -> Iterator[str]:
 
 
 def tenth(tasks: Sequence[Row]) -> list[Row]:
-    """A random tenth, at least one, another each time."""
-    count = min(len(tasks), max(1, round_up(len(tasks), 10)))
-    chosen = np.random.default_rng().choice(len(tasks), count, replace=False)
+    """A random tenth, rounded up, another each time."""
+    chosen = np.random.default_rng().choice(len(tasks), -(-len(tasks) // 10), replace=False)
     return [tasks[i] for i in sorted(chosen)]
-
-
-def round_up(count: int, by: int) -> int:
-    """ceil(count / by)."""
-    return -(-count // by)
-
-
-def development() -> Round:
-    """The public round."""
-    return Round(DEVELOPMENT)

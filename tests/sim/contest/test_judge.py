@@ -154,3 +154,14 @@ def test_a_result_is_gone_on_from_and_checked(tmp_path):
 
 def test_tracks_are_those_of_the_rules():
     assert NAMES == ("joint", "motor", "imu", "tracker", "first", "drift", "part")
+
+
+def test_a_run_that_is_not_finite_loses_the_task_and_none_at_first_is_no_correction():
+    task = draw(Round(), 0)
+    with EntryProcess() as process:
+        source = ENTRY.format(body="return np.zeros(self.shape)")
+        lost = play(source, replace(task, run=lambda k, u: ({}, np.nan)), SHORT, process)
+        assert (lost["reason"], lost["left"]) == ("a run of the robot is not finite", LARGEST)
+        stopped = play("class Entry:\n def start(self, task): pass", task, SHORT, process)
+    assert stopped["runs"] == 0
+    assert stopped["left"] == pytest.approx(1.0, abs=0.02)
