@@ -99,8 +99,9 @@ def reproduce(
     """Make figures and numbers of the thesis again and compare them, in one report.
 
     papers compares with measurements of others, by T1-acceleration-motor, T1-acceleration-load,
-    T1-tcp, T1-rest, T1-peak, bench-first, bench-ten, bench-wrong, T3-dkf and T3-kkf. Not built, and
-    without a value: T2-smoother, T2-doubled, T2-online, L1, N1.
+    T1-tcp, T1-rest, T1-peak, T1-two-stage-motor, T1-two-stage-load, bench-first, bench-ten,
+    bench-wrong, T2-smoother, T2-doubled, T2-online, T3-dkf and T3-kkf. Not built, and without a
+    value: L1, N1.
 
     Writes report.html, which needs no network, report.md with figures/, and report.json. What an
     earlier or interrupted call has finished in the same folder is not run again.

@@ -15,9 +15,12 @@ from armside.arrays import Array
 from armside.ilc.bench_study import ERRORS, ESTIMATES, LAWS, BenchEstimation, BenchLearning
 from armside.sim.evaluation.check import Check, Table
 from armside.sim.laser.strokes import StrokesJob
+from armside.sim.papers.tool_estimates import ESTIMATES as TOOL_ESTIMATES
+from armside.sim.papers.tool_estimates import ToolEstimates
+from armside.sim.papers.two_stage import TwoStageJob
 
 from ..figures.canvas import logarithmic, panels
-from .paper_bands import BANDS, JUDGEMENT, NOT_BUILT, ON_ARMS, OUTSIDE
+from .paper_bands import BANDS, JUDGEMENT, NOT_BUILT, OUTSIDE
 from .report import Entry, Part, Read, Section
 
 PRINTED = {"reference": (0.026, 0.059), "torque M": (0.058, 0.128), "torque L": (0.012, 0.038)}
@@ -102,6 +105,7 @@ def estimators(read: Read, folder: Path) -> Section:
     return _section("papers-estimators", "T3: estimators on the bench", caption, checks, table)
 
 
+M16IB = "m16ib_like.toml"
 T1 = {
     "T1-acceleration-motor": ("motor", "acceleration_rms"),
     "T1-acceleration-load": ("estimate", "acceleration_rms"),
@@ -123,18 +127,18 @@ def square(robot: str, suffix: str, read: Read, folder: Path) -> Section:
     runs = {
         (measure, seed): read(StrokesJob(robot, measure, seed))
         for measure in MEASURES
-        for seed in ON_ARMS
+        for seed in JUDGEMENT
     }
 
     def each(measure: str, field: str) -> Array:
         """(individuals, runs), over the first run."""
-        found = np.array([runs[measure, seed][field] for seed in ON_ARMS])
+        found = np.array([runs[measure, seed][field] for seed in JUDGEMENT])
         return found / found[:, :1]
 
     ours = {id: np.median(each(*what)[:, -1]) for id, what in T1.items()}
     by_motors, by_estimate = (each(m, "tcp_rms")[:, -1] for m in ("motor", "estimate"))
     checks = _checks(ours | {"T1-tcp-order": np.sum(~(by_estimate < by_motors))}, suffix)
-    first = {f: np.median([runs["motor", s][f][0] for s in ON_ARMS]) for f in SHOWN_FIELDS}
+    first = {f: np.median([runs["motor", s][f][0] for s in JUDGEMENT]) for f in SHOWN_FIELDS}
     rows = [
         [field, float(first[field] * (1e3 if "tcp" in field else 1.0))]
         + [round(float(np.median(each(m, field)[:, -1])), 3) for m in MEASURES]
@@ -148,18 +152,111 @@ def square(robot: str, suffix: str, read: Read, folder: Path) -> Section:
                 axis.plot(np.median(each(name, field), axis=0), ".-", color=color, label=name)
             axis.set(title=field, xlabel="k", ylabel="over k = 0", ylim=0)
         axes[0].legend()
-    speed = float(np.median([runs["motor", s]["reached_speed"] for s in ON_ARMS]))
+    speed = float(np.median([runs["motor", s]["reached_speed"] for s in JUDGEMENT]))
     caption = (
         f"Square of 100 mm, four strokes from rest to rest, 12.5 m/s^2, {speed:.2f} m/s reached; "
-        f"medians of {len(ON_ARMS)} individuals."
+        f"medians of {len(JUDGEMENT)} individuals."
     )
     head = ["measure", "first [mm, m/s^2]", *(f"last / first, {m}" for m in MEASURES)]
     title = f"T1: square on the {'large robot' if suffix else 'M16iB-like arm'}"
     return _section(id, title, caption, checks, Table("Motion errors", head, rows))
 
 
+TWO_STAGE = {
+    "T1-two-stage-motor": ("motor", "acceleration_rms"),
+    "T1-two-stage-load": ("load", "acceleration_rms"),
+    "T1-two-stage-tcp": ("load", "tcp_rms"),
+    "T1-two-stage-peak": ("load", "tcp_peak"),
+    "T1-two-stage-rest": ("motor", "rest_acceleration_rms"),
+}
+
+
+def two_stage(read: Read, folder: Path) -> Section:
+    """T1's own law on the M16iB-like arm: reference and torque ILC, load or motor side."""
+    runs = {
+        side: [read(TwoStageJob(M16IB, side, seed)) for seed in JUDGEMENT]
+        for side in ("load", "motor")
+    }
+
+    def each(side: str, field: str) -> Array:
+        """(individuals, runs), over the first run."""
+        found = np.array([run[field] for run in runs[side]])
+        return found / found[:, :1]
+
+    first = {f: float(np.median([run[f][0] for run in runs["load"]])) for f in SHOWN_FIELDS}
+    rows = [
+        [field, first[field] * (1e3 if "tcp" in field else 1.0)]
+        + [round(float(np.median(each(side, field)[:, -1])), 3) for side in runs]
+        for field in SHOWN_FIELDS
+    ]
+    with panels(folder / "papers-two-stage.png", (6.0, 3.2), 1, 2) as axes:
+        for axis, field in zip(axes, ("acceleration_rms", "tcp_rms"), strict=True):
+            for side, color in zip(runs, TABLEAU_COLORS, strict=False):
+                axis.plot(np.median(each(side, field), axis=0), ".-", color=color, label=side)
+            axis.set(title=field, xlabel="k", ylabel="over k = 0", ylim=0)
+        axes[0].legend()
+    caption = (
+        "The law of the paper, reference and torque, gains and adaptation as printed; load angles "
+        "by the estimator of T2. Medians of ten individuals."
+    )
+    head = ["measure", "first [mm, m/s^2]", *(f"last / first, {side}" for side in runs)]
+    checks = _checks({id: np.median(each(*what)[:, -1]) for id, what in TWO_STAGE.items()})
+    title = "T1: two-stage law on the M16iB-like arm"
+    return _section("papers-two-stage", title, caption, checks, Table("Motion errors", head, rows))
+
+
+PRINTED_T2 = {
+    "motor": 0.737,
+    "smoother": 0.306,
+    "online": 0.409,
+    "smoother doubled": 0.390,
+    "online doubled": 0.498,
+}
+"""T2: RMS [mm] of the position."""
+SHOWN_T2 = (*TOOL_ESTIMATES, *(f"{name} doubled" for name in TOOL_ESTIMATES[1:]))
+
+
+def tool(read: Read, folder: Path) -> Section:
+    """T2: tool position by their estimator and by ours, on the strokes of T1."""
+    runs, drawn = (
+        [read(ToolEstimates(M16IB, seed, geometry)) for seed in JUDGEMENT]
+        for geometry in (False, True)
+    )
+    known = {name: np.array([run[name] for run in runs]) for name in SHOWN_T2}
+
+    def over(name: str, base: str = "motor") -> float:
+        """At the stop, median of the ratios."""
+        return float(np.median(known[name][:, 0] / known[base][:, 0]))
+
+    ours = {"smoother": over("smoother"), "online": over("online")}
+    ours |= {"doubled": over("smoother doubled")}
+    ours |= {"doubled-loss": over("smoother doubled", "smoother")}
+    uncalibrated = {
+        name: round(1e3 * float(np.median([run[name][0] for run in drawn])), 3) for name in drawn[0]
+    }
+    rows = [
+        [name, PRINTED_T2.get(name), round(over(name), 3), uncalibrated.get(name)]
+        + [round(float(v), 3) for v in 1e3 * np.median(known[name], axis=0)]
+        for name in SHOWN_T2
+    ]
+    with panels(folder / "papers-tool.png", (6.0, 3.2)) as (axis,):
+        for name, color in zip(SHOWN_T2, TABLEAU_COLORS, strict=False):
+            axis.plot(JUDGEMENT, 1e3 * known[name][:, 0], ".-", color=color, label=name)
+        axis.set(xlabel="individual", ylabel="tool position, RMS error [mm]")
+        logarithmic(axis)
+        axis.legend(loc="upper left", bbox_to_anchor=(1, 1))
+    caption = (
+        "Error of the tool's position at the third stop of the square on the M16iB-like arm, "
+        "static part in; geometry as designed. Ours identifies its springs from the same run."
+    )
+    head = ["estimate", "paper", "over motor angles", "stop, geometry as drawn", "stop"]
+    table = Table("RMS [mm], medians", [*head, "whole record", "whole, less rest"], rows)
+    checks = _checks({f"T2-{name}": value for name, value in ours.items()})
+    return _section("papers-tool", "T2: tool from an accelerometer", caption, checks, table)
+
+
 def not_built(_: Read, __: Path) -> Section:
-    """T2, L1, N1: in one line and in a table without verdicts."""
+    """In one line and in a table without verdicts."""
     caption = f"Not built, so without a value: {', '.join(NOT_BUILT)}."
     rows = [[id, *words] for id, words in NOT_BUILT.items()]
     table = Table(caption, ["", "what", "paper", "band"], rows)
@@ -183,11 +280,17 @@ PARTS = {
     "papers-estimators": Part([BenchEstimation(s) for s in JUDGEMENT], estimators),
     **{
         f"papers-square{suffix}": Part(
-            [StrokesJob(robot, m, s) for m in MEASURES for s in ON_ARMS],
+            [StrokesJob(robot, m, s) for m in MEASURES for s in JUDGEMENT],
             partial(square, robot, suffix),
         )
-        for robot, suffix in (("m16ib_like.toml", ""), ("large", "-large"))
+        for robot, suffix in ((M16IB, ""), ("large", "-large"))
     },
+    "papers-two-stage": Part(
+        [TwoStageJob(M16IB, side, s) for side in ("load", "motor") for s in JUDGEMENT], two_stage
+    ),
+    "papers-tool": Part(
+        [ToolEstimates(M16IB, s, geometry) for s in JUDGEMENT for geometry in (False, True)], tool
+    ),
     OUTSIDE: Part([], not_built),
 }
 ENTRIES = [Entry(id, lambda _, part=part: part) for id, part in PARTS.items()]

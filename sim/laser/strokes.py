@@ -4,7 +4,7 @@ The square of Chen and Tomizuka, IEEE Trans. Control Systems Technology 22(4), 2
 contour with rounded corners: the tool stops in each.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from itertools import pairwise
@@ -14,7 +14,8 @@ import numpy as np
 from armside import assets
 from armside.arrays import Array, check_numbers
 
-from ..cell import CELLS
+from ..cell import CELLS, Cell
+from ..estimation.imu_health import ImuError
 from ..evaluation.contour_error import contour_errors
 from ..evaluation.motion_error import MotionError
 from ..evaluation.tool_error import ToolError
@@ -27,7 +28,7 @@ from ..part.motion import CutLeg, PartMotion, samples_until
 from ..robot.statics import Statics
 from ..robot.virtual_robot import LOG_PERIOD
 from ..robot_file.find import find_cell
-from .experiment import prepare
+from .experiment import Iteration, prepare
 from .loop import learn
 from .part_cut import JointSpeedError, reference, timed
 from .specification import Ended, Row, Setup, Timed
@@ -128,6 +129,11 @@ class Strokes(Setup[PartMotion]):
         return {"reached_speed": motion.cuts[0].reached_speed}
 
 
+def robot_of(name: str) -> Cell:
+    """Cell of a name, or of a file of the folder of robots."""
+    return find_cell(name if name in CELLS else str(ROBOTS / name))
+
+
 @dataclass(frozen=True)
 class StrokesJob:
     """Learning the square by one measured output: ten runs of one individual."""
@@ -147,18 +153,22 @@ class StrokesJob:
     def run(self) -> dict[str, Array]:
         """Scalar fields of `MotionError` (10,) by name, NaN from a refusal or divergence on, and
         `reached_speed` [m/s]."""
-        named = self.robot if self.robot in CELLS else str(ROBOTS / self.robot)
-        cut = Strokes(robot=find_cell(named), across_tool=True, individual=self.individual)
-        names = fields_of_numbers()
-        found = np.full((self.iterations + 1, len(names)), np.nan)
+        cut = Strokes(robot=robot_of(self.robot), across_tool=True, individual=self.individual)
         speed = prepare(cut, seed=self.individual).motion.cuts[0].reached_speed
-        with suppress(ValueError):  # refused: it has no numbers
-            for it in learn(
-                cut, measure=self.measure, iterations=self.iterations, seed=self.individual
-            ):
-                if not it.diverged:
-                    found[it.k] = [getattr(it.motion_error, name) for name in names]
-        return dict(zip(names, found.T, strict=True)) | {"reached_speed": np.array(speed)}
+        runs = learn(cut, measure=self.measure, iterations=self.iterations, seed=self.individual)
+        return by_run(runs, self.iterations) | {"reached_speed": np.array(speed)}
+
+
+def by_run(runs: Iterable[Iteration], iterations: int) -> dict[str, Array]:
+    """Scalar fields of `MotionError` (`iterations` + 1,) by name, NaN from a refusal or divergence
+    on."""
+    names = fields_of_numbers()
+    found = np.full((iterations + 1, len(names)), np.nan)
+    with suppress(ImuError):  # refused: it has no numbers
+        for it in runs:
+            if not it.diverged:
+                found[it.k] = [getattr(it.motion_error, name) for name in names]
+    return dict(zip(names, found.T, strict=True))
 
 
 def fields_of_numbers() -> list[str]:
