@@ -18,9 +18,10 @@ from armside.sim.laser.strokes import StrokesJob
 from armside.sim.papers.tool_estimates import ESTIMATES as TOOL_ESTIMATES
 from armside.sim.papers.tool_estimates import ToolEstimates
 from armside.sim.papers.two_stage import TwoStageJob
+from armside.sim.papers.unseen import TESTED, TRAINED, UnseenEdge, UnseenSpeed
 
 from ..figures.canvas import logarithmic, panels
-from .paper_bands import BANDS, JUDGEMENT, NOT_BUILT, OUTSIDE
+from .paper_bands import BANDS, JUDGEMENT
 from .report import Entry, Part, Read, Section
 
 PRINTED = {"reference": (0.026, 0.059), "torque M": (0.058, 0.128), "torque L": (0.012, 0.038)}
@@ -92,11 +93,7 @@ def estimators(read: Read, folder: Path) -> Section:
         [name, PRINTED_T3.get(name, 0.199), *(round(float(f(found[name])), 3) for f in SPREAD)]
         for name in ESTIMATES
     ]
-    with panels(folder / "papers-estimators.png", (6.0, 3.2)) as (axis,):
-        for name, color in zip(ESTIMATES, TABLEAU_COLORS, strict=False):
-            axis.plot(JUDGEMENT, found[name], ".-", color=color, label=name)
-        axis.set(xlabel="individual", ylabel="load angle, RMS error [mrad]", ylim=0)
-        axis.legend(loc="upper left", bbox_to_anchor=(1, 1))
+    _by_individual(found, folder / "papers-estimators.png", "load angle, RMS error [mrad]")
     caption = (
         "Error of the load angle on a chirp in open loop against the load encoder. R is not "
         "adapted: the window of the paper is not printed."
@@ -255,12 +252,58 @@ def tool(read: Read, folder: Path) -> Section:
     return _section("papers-tool", "T2: tool from an accelerometer", caption, checks, table)
 
 
-def not_built(_: Read, __: Path) -> Section:
-    """In one line and in a table without verdicts."""
-    caption = f"Not built, so without a value: {', '.join(NOT_BUILT)}."
-    rows = [[id, *words] for id, words in NOT_BUILT.items()]
-    table = Table(caption, ["", "what", "paper", "band"], rows)
-    return Section(OUTSIDE, "What is not built", caption, tables=[table], source="paper")
+def edge(read: Read, folder: Path) -> Section:
+    """L1: first run on an edge that no twin was commissioned on, with 210 kg."""
+    runs = [read(UnseenEdge(seed)) for seed in JUDGEMENT]
+    names = {"L1": "position", "L1-peak": "peak", "L1-acceleration": "acceleration"}
+    left = {id: [run[name][1] / run[name][0] for run in runs] for id, name in names.items()}
+    rows = []
+    for id, name in names.items():
+        first = float(np.median([run[name][0] for run in runs]))
+        each = (round(float(f(left[id])), 3) for f in SPREAD)
+        rows.append([name, *each, first if name == "acceleration" else 1e3 * first])
+    _by_individual(left, folder / "papers-edge.png", "unseen edge over uncorrected")
+    limits = int(max(run["limits"].max() for run in runs))
+    caption = (
+        f"Strokes of 0.1 m with 210 kg on the large robot, {float(runs[0]['speed']):.2f} m/s "
+        f"reached; signed error along the path. Limits reached in a run: {limits} at most."
+    )
+    head = ["error along the path", "median", "least", "most", "uncorrected [mm, m/s^2]"]
+    checks = _checks({id: np.median(ratios) for id, ratios in left.items()})
+    title = "L1: an edge that was not trained"
+    return _section("papers-edge", title, caption, checks, Table("Left", head, rows))
+
+
+def speeds(read: Read, folder: Path) -> Section:
+    """N1: first run of a line at speeds that no twin was commissioned on."""
+    runs = [read(UnseenSpeed(seed)) for seed in JUDGEMENT]
+    share = np.array(
+        [np.abs(run["twin"] - run["basic"]) / np.abs(run["step"] - run["basic"]) for run in runs]
+    )
+    rows = [
+        [f"{speed:g} m/s", *(round(float(f(share[:, i])), 3) for f in SPREAD)]
+        + [1e3 * float(np.median([run[n][i] for run in runs])) for n in ("basic", "twin", "step")]
+        for i, speed in enumerate(TESTED)
+    ]
+    found = {f"{speed:g} m/s": share[:, i] for i, speed in enumerate(TESTED)}
+    _by_individual(found, folder / "papers-speeds.png", "share of one learning step")
+    trained = ", ".join(f"{speed:g}" for speed in TRAINED)
+    caption = (
+        f"A line of 80 cm in x on the large robot; the twin is of its runs at {trained} m/s. The "
+        "step is one update by our estimate. Tool position while it moves."
+    )
+    head = ["speed", "median", "least", "most", "without [mm]", "twin [mm]", "one step [mm]"]
+    checks = _checks({"N1": np.median(share)})
+    title = "N1: speeds that were not trained"
+    return _section("papers-speeds", title, caption, checks, Table("Share", head, rows))
+
+
+def _by_individual(found: Mapping[str, Sequence[float] | Array], file: Path, label: str) -> None:
+    with panels(file, (6.0, 3.2)) as (axis,):
+        for (name, values), color in zip(found.items(), TABLEAU_COLORS, strict=False):
+            axis.plot(JUDGEMENT, values, ".-", color=color, label=name)
+        axis.set(xlabel="individual", ylabel=label, ylim=0)
+        axis.legend(loc="upper left", bbox_to_anchor=(1, 1))
 
 
 SPREAD: Sequence[Callable[[Array], float]] = (np.median, np.min, np.max)
@@ -291,7 +334,8 @@ PARTS = {
     "papers-tool": Part(
         [ToolEstimates(M16IB, s, geometry) for s in JUDGEMENT for geometry in (False, True)], tool
     ),
-    OUTSIDE: Part([], not_built),
+    "papers-edge": Part([UnseenEdge(s) for s in JUDGEMENT], edge),
+    "papers-speeds": Part([UnseenSpeed(s) for s in JUDGEMENT], speeds),
 }
 ENTRIES = [Entry(id, lambda _, part=part: part) for id, part in PARTS.items()]
 """Sections in the order of the report."""

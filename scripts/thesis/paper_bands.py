@@ -52,11 +52,3 @@ BANDS: Mapping[str, Band] = {
     "N1": Band("share of one learning step, tool position, moving, unseen speed", "0.70", 0.70),
 }
 """Medians over the individuals, ratios where the robot is another one."""
-
-NOT_BUILT = {
-    "L1": ("first run on an unseen edge, position RMS over the uncorrected run", "0.47", "≤ 0.47"),
-    "N1": ("share of one learning step, tool position, moving, unseen speed", "70 %", "≥ 70 %"),
-}
-"""Comparisons without a value, by id: quantity, number of the paper and band."""
-OUTSIDE = "papers-not-built"
-"""Section that names them."""

@@ -1,4 +1,4 @@
-"""A closed polygon of straight strokes in one plane, each from rest to rest: a `Setup` of learning.
+"""Straight strokes in one plane, each from rest to rest: a `Setup` of learning.
 
 The square of Chen and Tomizuka, IEEE Trans. Control Systems Technology 22(4), 2014, is not a
 contour with rounded corners: the tool stops in each.
@@ -37,17 +37,21 @@ ROBOTS = assets.LARGE_ROBOT_XML.parent
 REST_BEFORE, REST_AFTER = 0.5, 1.0
 """[s], as in the record of the paper: from 1.5 to 5.5 s, with strokes from 2.0 s on."""
 PERIOD = 0.75
-"""[s], from the beginning of a stroke to that of the next."""
+"""[s], of the square."""
 SLOWER = 0.9
 """Factor on the speed, as often as a joint would be too fast. ESTIMATE"""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Strokes(Setup[PartMotion]):
-    """Square of four strokes around the pose. SI units."""
+    """Strokes around the pose, without `corners` those of a square. SI units."""
 
     side: float = 0.1
-    """[m]."""
+    """[m], of the square."""
+    corners: tuple[tuple[float, float], ...] = ()
+    """(S + 1) places [m] in the plane, from the pose, at which the tool stops."""
+    period: float = PERIOD
+    """[s], from the beginning of a stroke to that of the next."""
     speed: float = 1.0
     """[m/s], at most."""
     limits: PathLimits = field(default_factory=lambda: PathLimits(acceleration=12.5, jerk=400.0))
@@ -70,22 +74,23 @@ class Strokes(Setup[PartMotion]):
 
     def _motion(self, speed: float) -> PartMotion:
         half = 0.5 * self.side
-        corners = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]], dtype=np.float64)
-        timing = rest_to_rest(self.side, speed, self.limits)
-        if timing.duration > PERIOD:
-            longest = f"the time of {PERIOD:g} s from one to the next"
-            raise ValueError(f"a stroke takes {timing.duration:.3g} s, more than {longest}")
+        square = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]], dtype=np.float64)
+        paths = [Chain(np.array(ends), np.zeros(1)) for ends in pairwise(self.corners or square)]
+        timings = [rest_to_rest(path.length, speed, self.limits) for path in paths]
+        if (duration := max(timing.duration for timing in timings)) > self.period:
+            longest = f"the time of {self.period:g} s from one to the next"
+            raise ValueError(f"a stroke takes {duration:.3g} s, more than {longest}")
         legs = tuple(
             CutLeg(
-                path=Chain(np.array(ends), np.zeros(1)),
+                path=path,
                 timing=timing,
-                start=REST_BEFORE + PERIOD * i,
+                start=REST_BEFORE + self.period * i,
                 name=f"stroke {i + 1}",
                 kind=Kind.OPEN,
                 lead=0.0,
                 asked_speed=self.speed,
             )
-            for i, ends in enumerate(pairwise(corners))
+            for i, (path, timing) in enumerate(zip(paths, timings, strict=True))
         )
         return PartMotion(
             legs=legs,
@@ -104,7 +109,7 @@ class Strokes(Setup[PartMotion]):
         return contour_errors(motion, time[::every], position[::every], None)
 
     def whole(self, motion: PartMotion, errors: Sequence[ToolError]) -> ToolError:
-        """Strokes are equally long."""
+        """Strokes count alike."""
         return ToolError(
             rms=float(np.sqrt(np.mean([error.rms**2 for error in errors]))),
             maxdev=max(error.maxdev for error in errors),
