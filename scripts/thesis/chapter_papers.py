@@ -256,7 +256,10 @@ def edge(read: Read, folder: Path) -> Section:
     """L1: first run on an edge that no twin was commissioned on, with 210 kg."""
     runs = [read(UnseenEdge(seed)) for seed in JUDGEMENT]
     names = {"L1": "position", "L1-peak": "peak", "L1-acceleration": "acceleration"}
-    left = {id: [run[name][1] / run[name][0] for run in runs] for id, name in names.items()}
+    left = {
+        id: np.array([float(run[name][1] / run[name][0]) for run in runs])
+        for id, name in names.items()
+    }
     rows = []
     for id, name in names.items():
         first = float(np.median([run[name][0] for run in runs]))
@@ -298,7 +301,7 @@ def speeds(read: Read, folder: Path) -> Section:
     return _section("papers-speeds", title, caption, checks, Table("Share", head, rows))
 
 
-def _by_individual(found: Mapping[str, Sequence[float] | Array], file: Path, label: str) -> None:
+def _by_individual(found: Mapping[str, Array], file: Path, label: str) -> None:
     with panels(file, (6.0, 3.2)) as (axis,):
         for (name, values), color in zip(found.items(), TABLEAU_COLORS, strict=False):
             axis.plot(JUDGEMENT, values, ".-", color=color, label=name)

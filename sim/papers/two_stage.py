@@ -228,7 +228,7 @@ class TwoStageLaw:
             raise ValueError(f"a correction needs {2 * len(self.axes)} columns, got {n_columns}")
 
     def step(
-        self, correction: Array, error: Array, memory: Gains | None = None
+        self, correction: Array, error: Array, memory: Gains | None = None, /
     ) -> tuple[Array, Gains]:
         (r, t), (e, torque) = np.hsplit(correction, 2), np.hsplit(error, 2)
         largest = np.abs(e).max(axis=0)

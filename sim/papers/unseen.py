@@ -45,7 +45,8 @@ TRAINED, TESTED = (0.4, 0.6, 0.8), (0.5, 0.7)
 
 def edge(individual: int, ends: Sequence[tuple[float, float]]) -> Strokes:
     """An edge in three strokes, with the payload of L1."""
-    places = np.linspace(*np.array(ends), 4)
+    first, last = np.array(ends)
+    places = np.linspace(first, last, 4)
     return Strokes(
         robot="large",
         pose=ToolPose(FACE, TOOL_QUATERNION),

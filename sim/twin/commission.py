@@ -196,8 +196,8 @@ def commission(
         robot: name of the cell.
         payload: mass of its tool [kg]; that of the robot's file if None.
         measure: sensor of the tool.
-        checked: recordings are held against the nominal robot first, within limits for a tool that
-            is no heavier than that of its file.
+        checked: recordings are held against the nominal robot and each other, within limits for a
+            tool that is no heavier than that of its file.
         progress: called after each cut of each step.
 
     Raises:
@@ -212,7 +212,7 @@ def commission(
     found = identify(design, cuts, cfg, progress, sensor=sensor)
     left = found.held_out
     worst, usual = int(np.nan_to_num(left).argmax()), float(np.median(left))
-    if len(cuts) > 2 and left[worst] > max(sensor.unsuspicious, _OUTLIER * usual):
+    if checked and len(cuts) > 2 and left[worst] > max(sensor.unsuspicious, _OUTLIER * usual):
         raise ImplausibleError(
             f"{cuts[worst].name} contradicts the other cuts: a twin of those leaves "
             f"{sensor.factor * left[worst]:.3g} {sensor.unit} of the {sensor.quantity}, "
