@@ -7,7 +7,18 @@ import numpy as np
 import pytest
 
 from armside.sim.laser.experiment import prepare
-from armside.sim.papers.unseen import EDGES, TESTED, TRAINED, UNSEEN, along, edge, line
+from armside.sim.papers.unseen import (
+    EDGES,
+    PAYLOAD,
+    TESTED,
+    TRAINED,
+    UNSEEN,
+    along,
+    edge,
+    line,
+)
+from armside.sim.twin.commission import commission
+from armside.sim.twin.recordings import ImplausibleError, measured
 
 
 def test_an_edge_across_the_face_and_the_tested_speeds_are_not_among_the_trained():
@@ -51,3 +62,20 @@ def test_the_acceleration_along_the_path_is_that_of_the_tool():
     smooth = (np.convolve(each, box, mode="valid") for each in (second, acceleration[1:-1]))
     by_position, by_unit = smooth
     assert np.std(by_position - by_unit) < 0.25 * np.std(by_position)
+
+
+def test_a_heavy_tool_that_bends_far_is_commissioned_only_unchecked(monkeypatch):
+    class IdentifiedError(Exception):
+        pass
+
+    def identify(*_, **__):
+        raise IdentifiedError
+
+    monkeypatch.setattr("armside.sim.twin.commission.identify", identify)
+    experiment = prepare(edge(0, EDGES[0]))
+    plain = np.zeros_like(experiment.loaded.reference)
+    cut = measured(experiment.plant.run(plain), "heavy")
+    with pytest.raises(ImplausibleError, match=r"heavy: the tool is up to .* mm from where"):
+        commission([cut], payload=PAYLOAD)
+    with pytest.raises(IdentifiedError):
+        commission([cut], payload=PAYLOAD, checked=False)
