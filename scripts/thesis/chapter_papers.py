@@ -21,6 +21,7 @@ from armside.sim.papers.two_stage import TwoStageJob
 from armside.sim.papers.unseen import TESTED, TRAINED, UnseenEdge, UnseenSpeed
 
 from ..figures.canvas import logarithmic, panels
+from ..jobs.store import Result
 from .paper_bands import BANDS, JUDGEMENT
 from .report import Entry, Part, Read, Section
 
@@ -119,46 +120,6 @@ SHOWN_FIELDS = (
 )
 
 
-def square(robot: str, suffix: str, read: Read, folder: Path) -> Section:
-    """T1: square of four strokes on one robot, by motors, estimate and tracker."""
-    runs = {
-        (measure, seed): read(StrokesJob(robot, measure, seed))
-        for measure in MEASURES
-        for seed in JUDGEMENT
-    }
-
-    def each(measure: str, field: str) -> Array:
-        """(individuals, runs), over the first run."""
-        found = np.array([runs[measure, seed][field] for seed in JUDGEMENT])
-        return found / found[:, :1]
-
-    ours = {id: np.median(each(*what)[:, -1]) for id, what in T1.items()}
-    by_motors, by_estimate = (each(m, "tcp_rms")[:, -1] for m in ("motor", "estimate"))
-    checks = _checks(ours | {"T1-tcp-order": np.sum(~(by_estimate < by_motors))}, suffix)
-    first = {f: np.median([runs["motor", s][f][0] for s in JUDGEMENT]) for f in SHOWN_FIELDS}
-    rows = [
-        [field, float(first[field] * (1e3 if "tcp" in field else 1.0))]
-        + [round(float(np.median(each(m, field)[:, -1])), 3) for m in MEASURES]
-        for field in SHOWN_FIELDS
-    ]
-    id = f"papers-square{suffix}"
-    with panels(folder / f"{id}.png", (9.0, 3.2), 1, 3) as axes:
-        titles = ("acceleration_rms", "tcp_rms", "tcp_rms_less_rest")
-        for axis, field in zip(axes, titles, strict=True):
-            for name, color in zip(MEASURES, TABLEAU_COLORS, strict=False):
-                axis.plot(np.median(each(name, field), axis=0), ".-", color=color, label=name)
-            axis.set(title=field, xlabel="k", ylabel="over k = 0", ylim=0)
-        axes[0].legend()
-    speed = float(np.median([runs["motor", s]["reached_speed"] for s in JUDGEMENT]))
-    caption = (
-        f"Square of 100 mm, four strokes from rest to rest, 12.5 m/s^2, {speed:.2f} m/s reached; "
-        f"medians of {len(JUDGEMENT)} individuals."
-    )
-    head = ["measure", "first [mm, m/s^2]", *(f"last / first, {m}" for m in MEASURES)]
-    title = f"T1: square on the {'large robot' if suffix else 'M16iB-like arm'}"
-    return _section(id, title, caption, checks, Table("Motion errors", head, rows))
-
-
 TWO_STAGE = {
     "T1-two-stage-motor": ("motor", "acceleration_rms"),
     "T1-two-stage-load": ("load", "acceleration_rms"),
@@ -168,38 +129,72 @@ TWO_STAGE = {
 }
 
 
+def square(robot: str, suffix: str, read: Read, folder: Path) -> Section:
+    """T1: square of four strokes on one robot, by motors, estimate and tracker."""
+    runs = {m: [read(StrokesJob(robot, m, seed)) for seed in JUDGEMENT] for m in MEASURES}
+    by_motors, by_estimate = (_over_first(runs[m], "tcp_rms")[:, -1] for m in ("motor", "estimate"))
+    order = _checks({"T1-tcp-order": np.sum(~(by_estimate < by_motors))}, suffix)
+    speed = float(np.median([run["reached_speed"] for run in runs["motor"]]))
+    caption = (
+        f"Square of 100 mm, four strokes from rest to rest, 12.5 m/s^2, {speed:.2f} m/s reached; "
+        f"medians of {len(JUDGEMENT)} individuals."
+    )
+    title = f"T1: square on the {'large robot' if suffix else 'M16iB-like arm'}"
+    checks = [*_judged(T1, runs, suffix), *order]
+    return _learning(f"papers-square{suffix}", title, caption, checks, runs, folder)
+
+
 def two_stage(read: Read, folder: Path) -> Section:
     """T1's own law on the M16iB-like arm: reference and torque ILC, load or motor side."""
     runs = {
         side: [read(TwoStageJob(M16IB, side, seed)) for seed in JUDGEMENT]
         for side in ("load", "motor")
     }
-
-    def each(side: str, field: str) -> Array:
-        """(individuals, runs), over the first run."""
-        found = np.array([run[field] for run in runs[side]])
-        return found / found[:, :1]
-
-    first = {f: float(np.median([run[f][0] for run in runs["load"]])) for f in SHOWN_FIELDS}
-    rows = [
-        [field, first[field] * (1e3 if "tcp" in field else 1.0)]
-        + [round(float(np.median(each(side, field)[:, -1])), 3) for side in runs]
-        for field in SHOWN_FIELDS
-    ]
-    with panels(folder / "papers-two-stage.png", (6.0, 3.2), 1, 2) as axes:
-        for axis, field in zip(axes, ("acceleration_rms", "tcp_rms"), strict=True):
-            for side, color in zip(runs, TABLEAU_COLORS, strict=False):
-                axis.plot(np.median(each(side, field), axis=0), ".-", color=color, label=side)
-            axis.set(title=field, xlabel="k", ylabel="over k = 0", ylim=0)
-        axes[0].legend()
     caption = (
         "The law of the paper, reference and torque, gains and adaptation as printed; load angles "
         "by the estimator of T2. Medians of ten individuals."
     )
-    head = ["measure", "first [mm, m/s^2]", *(f"last / first, {side}" for side in runs)]
-    checks = _checks({id: np.median(each(*what)[:, -1]) for id, what in TWO_STAGE.items()})
-    title = "T1: two-stage law on the M16iB-like arm"
-    return _section("papers-two-stage", title, caption, checks, Table("Motion errors", head, rows))
+    title, checks = "T1: two-stage law on the M16iB-like arm", _judged(TWO_STAGE, runs)
+    return _learning("papers-two-stage", title, caption, checks, runs, folder)
+
+
+def _over_first(runs: Sequence[Result], field: str) -> Array:
+    """(individuals, runs), a measure over that of the first run."""
+    found = np.array([run[field] for run in runs])
+    return found / found[:, :1]
+
+
+def _judged(
+    what: Mapping[str, tuple[str, str]], runs: Mapping[str, Sequence[Result]], suffix: str = ""
+) -> list[Check]:
+    last = {id: np.median(_over_first(runs[of], field)[:, -1]) for id, (of, field) in what.items()}
+    return _checks(last, suffix)
+
+
+def _learning(
+    id: str,
+    title: str,
+    caption: str,
+    checks: Sequence[Check],
+    runs: Mapping[str, Sequence[Result]],
+    folder: Path,
+) -> Section:
+    """Section of runs that were learned from several outputs, each by all individuals."""
+    rows = []
+    for field in SHOWN_FIELDS:
+        first = float(np.median([run[field][0] for run in next(iter(runs.values()))]))
+        last = (float(np.median(_over_first(of, field)[:, -1])) for of in runs.values())
+        scale = 1e3 if "tcp" in field else 1.0
+        rows.append([field, scale * first, *(round(ratio, 3) for ratio in last)])
+    with panels(folder / f"{id}.png", (9.0, 3.2), 1, 3) as axes:
+        titles = ("acceleration_rms", "tcp_rms", "tcp_rms_less_rest")
+        for axis, field in zip(axes, titles, strict=True):
+            for (name, of), color in zip(runs.items(), TABLEAU_COLORS, strict=False):
+                axis.plot(np.median(_over_first(of, field), axis=0), ".-", color=color, label=name)
+            axis.set(title=field, xlabel="k", ylabel="over k = 0", ylim=0)
+        axes[0].legend()
+    head = ["measure", "first [mm, m/s^2]", *(f"last / first, {name}" for name in runs)]
+    return _section(id, title, caption, checks, Table("Motion errors", head, rows))
 
 
 PRINTED_T2 = {
