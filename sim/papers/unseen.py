@@ -81,7 +81,7 @@ def first_runs(
         experiment = prepare(cut, seed=seed)
         plain = np.zeros_like(experiment.loaded.reference)
         cuts.append(measured(experiment.plant.run(plain), f"motion {i + 1}"))
-    twin = commission(cuts, payload=trained[0].payload, checked=trained[0].payload is None).twin
+    twin = commission(cuts, payload=trained[0].payload, checked=False).twin
     found = []
     for cut in tested:
         nominal = prepare(replace(cut, individual=None, friction_spread=0.0))

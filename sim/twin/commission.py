@@ -196,8 +196,8 @@ def commission(
         robot: name of the cell.
         payload: mass of its tool [kg]; that of the robot's file if None.
         measure: sensor of the tool.
-        checked: recordings are held against the nominal robot and each other, within limits for a
-            tool that is no heavier than that of its file.
+        checked: recordings are held against the nominal robot and each other, within limits for
+            cuts: not for long motions, or a tool that is heavier than that of its file.
         progress: called after each cut of each step.
 
     Raises:

@@ -55,10 +55,10 @@ def test_learned_torque_moves_the_motor_by_what_its_servo_yields(experiment):
     plant = TwoStagePlant(experiment, first_input(experiment).motor)
     n, axes = experiment.loaded.reference.shape
     torque = np.zeros((n, 2 * axes))
-    torque[:, axes + 1] = 500.0
+    torque[:, axes + 1] = 1200.0
     moved = [plant.run(u).recording.motor_angle[-1, 1] for u in (0.0 * torque, torque)]
     drives = experiment.loaded.model.drives
-    yielded = 500.0 / (drives.kp[1] * drives.gear[1] ** 2)
+    yielded = 1200.0 / (drives.kp[1] * drives.gear[1] ** 2)
     friction = drives.static_friction[1] * drives.gear[1] / (drives.kp[1] * drives.gear[1] ** 2)
     assert moved[1] - moved[0] == pytest.approx(yielded, abs=2.2 * friction)
 
