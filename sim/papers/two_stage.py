@@ -136,8 +136,12 @@ class TwoStageOutput:
     def estimator(self) -> JointEstimator:
         return JointEstimator(self.experiment.nominal, assumed(self.experiment))
 
-    @cached_property
+    @property
     def law(self) -> "TwoStageLaw":
+        return self._law
+
+    @cached_property
+    def _law(self) -> "TwoStageLaw":
         start = self.experiment.loaded.reference[0]
         axes = two_masses(self.experiment.nominal, self.estimator.arm, start)
         return TwoStageLaw(self.side, tuple(axes))
