@@ -105,6 +105,8 @@ def check_range(
 SPIKE = 8.0
 """Deviation from the neighbours, in robust standard deviations, from which a sample is wrong.
 Real encoders hold a value for one more cycle of the controller now and then."""
+ROUNDING = 1e-12
+"""Deviation from the neighbours, in standard deviations of the record, of readings that are one."""
 ROUNDS = 6
 """Repetitions of the search: a spike hides its neighbours."""
 GAP = 5.0
@@ -170,7 +172,9 @@ def _without_spikes(time: Array, values: Array) -> NDArray[np.bool_]:
     for _ in range(ROUNDS):
         off = _deviation(time[rows], values[rows] / scale)
         largest = np.max([np.roll(off, k) for k in range(-2, 3)], axis=0)
-        bad = (off > SPIKE * 1.4826 * np.median(off)) & (off == largest)
+        moves = off > ROUNDING  # at rest a reading is repeated
+        usual = float(np.median(off[moves])) if moves.any() else np.inf
+        bad = (off > SPIKE * 1.4826 * usual) & (off == largest)
         if not bad.any():
             break
         rows = rows[~bad]

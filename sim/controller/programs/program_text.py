@@ -100,15 +100,15 @@ class ProgramText:
     entry: str
     """Routine that it starts with."""
 
-    def edited(self, moves: Mapping[Point, Array]) -> tuple[Text, ...]:
+    def edited(self, moves: Mapping[Point, Array], more: int = 0) -> tuple[Text, ...]:
         """The texts with points moved by (3,) [m] in their work object, every other byte as it
-        is."""
+        is. more: decimals beyond the least."""
         steps = {n: step for point, by in moves.items() for n, step in zip(point, by, strict=True)}
         found = list[Text]()
         for text in self.texts:
             pieces, at = list[str](), 0
             for n in sorted((n for n in steps if n.text_of is text), key=lambda n: n.start):
-                pieces += [text.content[at : n.start], self.written(n, steps[n])]
+                pieces += [text.content[at : n.start], self.written(n, steps[n], more)]
                 at = n.end
             found.append(Text(text.name, "".join(pieces) + text.content[at:]))
         return tuple(found)
@@ -118,11 +118,11 @@ class ProgramText:
         pairs = zip(point, by, strict=True)
         return any(self.written(n, step) != self.written(n, 0.0) for n, step in pairs)
 
-    def written(self, number: Number, step: float) -> str:
+    def written(self, number: Number, step: float, more: int = 0) -> str:
         """A number with a step [m] added; as it was where its digits are the same."""
         old = number.text_of.content[number.start : number.end]
         fraction = old.partition(".")[2]
-        n = max(DECIMALS[self.language], len(fraction) if fraction.isdigit() else 0)
+        n = max(DECIMALS[self.language] + more, len(fraction) if fraction.isdigit() else 0)
         new = f"{number.value + step / UNIT[self.language]:.{n}f}"
         if float(new) == float(f"{number.value:.{n}f}"):
             return old

@@ -18,6 +18,7 @@ from scipy.sparse.linalg import splu
 from armside.arrays import Array
 
 from ...laser.experiment import CuttingPlant, Experiment, Pass
+from ...motion.path import Plane
 from ...motion.timing import Timing
 from ...motion.tool_motion import joint_reference
 from ...part.motion import PartMotion
@@ -81,6 +82,23 @@ class Stretch:
     frame: Array = field(repr=False)
     """(M, 2, 3): directions that a target moves in, across the path and along the normal."""
 
+    @classmethod
+    def of(
+        cls,
+        row: Row,
+        point: Callable[[Array], Array],
+        length: float,
+        timing: Timing,
+        start: float,
+        plane: Plane,
+    ) -> "Stretch":
+        """With targets that move across the path, in the plane and out of it."""
+        normal = plane.axes[:, 2]
+        across = np.cross(normal, np.gradient(row.targets, axis=0))
+        across /= np.linalg.norm(across, axis=1, keepdims=True)
+        frame = np.stack([across, np.broadcast_to(normal, across.shape)], axis=1)
+        return cls(row, point, length, timing, start, frame)
+
     def arc_length(self, time: Array) -> Array:
         """Of the contour [m] at times of the plan [s]."""
         return np.clip(self.timing.at(time - self.start)[0], 0.0, self.length)
@@ -121,25 +139,20 @@ class PlannedProgram:
     ) -> "PlannedProgram":
         """With targets at most `spacing` [m] apart."""
         motion = experiment.motion
-        normal = motion.plane.axes[:, 2]
-
-        def stretch(
-            point: Callable[[Array], Array], length: float, timing: Timing, start: float
-        ) -> Stretch:
-            row, _ = fitted(point, length, spacing)
-            across = np.cross(normal, np.gradient(row.targets, axis=0))
-            across /= np.linalg.norm(across, axis=1, keepdims=True)
-            frame = np.stack([across, np.broadcast_to(normal, across.shape)], axis=1)
-            return Stretch(row, point, length, timing, start, frame)
-
         if isinstance(motion, PartMotion):
-            found = [
-                stretch(contour_in_base(motion, cut), cut.path.length, cut.timing, cut.start)
+            each = [
+                (contour_in_base(motion, cut), cut.path.length, cut.timing, cut.start)
                 for cut in motion.cuts
             ]
         else:
             path = motion.path
-            found = [stretch(path.position, path.length, motion.timing, motion.rest_before)]
+            each = [(path.position, path.length, motion.timing, motion.rest_before)]
+        found = [
+            Stretch.of(
+                fitted(point, length, spacing)[0], point, length, timing, start, motion.plane
+            )
+            for point, length, timing, start in each
+        ]
         return cls(experiment=experiment, stretches=tuple(found), apart=apart)
 
     @cached_property

@@ -84,3 +84,12 @@ def test_a_folder_of_tables_is_read(tmp_path):
         read_motion(tmp_path)
     with pytest.raises(ValueError, match="no recording of a known form"):
         read_motion(tmp_path.parent)
+
+
+def test_a_rest_whose_readings_repeat_makes_no_motion_a_fault():
+    """Most of the record is at rest, where a reading is exactly the one before."""
+    time = np.r_[TIME[0] - (TIME[1] - TIME[0]) * np.arange(3 * len(TIME), 0, -1), TIME]
+    values = np.maximum(time - TIME[0], 0.0)[:, None] ** 4
+    noisy = values + np.random.default_rng(0).normal(0.0, 1e-6, values.shape) * (values > 0.0)
+    stream, notes = repaired("encoders", time, noisy)
+    assert (len(stream.time), notes) == (len(time), ())

@@ -136,10 +136,10 @@ def pose_of(language, at, turn):
     return form.format(*at, *turn.as_rotvec())
 
 
-def text_of(language, targets, zone=0.001, change=None):
+def text_of(language, targets, zone=0.001, change=None, turned=TURN):
     """A program for targets of TCP0 in base axes (M, 3), with a tool in a work object."""
-    turn = WORK[1].inv() * TURN * TOOL[1]
-    at = WORK[1].inv().apply(targets + TURN.apply(TOOL[0]) - WORK[0])
+    turn = WORK[1].inv() * turned * TOOL[1]
+    at = WORK[1].inv().apply(targets + turned.apply(TOOL[0]) - WORK[0])
     poses = [pose_of(language, p, turn) for p in at]
     tool, work = pose_of(language, *TOOL), pose_of(language, *WORK)
     if language == "rapid":

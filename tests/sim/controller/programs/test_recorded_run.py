@@ -1,0 +1,190 @@
+"""Programs are learned from recordings of their runs, whose clocks and rates nobody knows."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from tests.scripts.ran import ran
+
+from armside.sim.controller.programs import (
+    VIRTUAL,
+    PlannedProgram,
+    learn_targets,
+    read_program,
+    read_program_file,
+)
+from armside.sim.controller.programs.own_program import ProgramCut, own_program
+from armside.sim.controller.programs.recorded_run import aligned, learned_from, measure_of_robot
+from armside.sim.laser.experiment import CuttingPlant, prepare
+from armside.sim.laser.specification import Cut
+from armside.sim.recordings.recorded_motion import MotionRecording, Stream
+from armside.sim.recordings.tables import write_motion_tables
+from armside.sim.robot.virtual_robot import VirtualRobot
+
+from .test_tool_path import text_of
+
+UM = 1e-6
+SEED = 3
+AXES = Rotation.from_quat(Cut().tool_pose.quaternion, scalar_first=True)
+
+
+@pytest.fixture(scope="module")
+def text():
+    """Twelve targets on a half circle of 5 mm radius, with a tool in a work object."""
+    (stretch,) = PlannedProgram.of(prepare(Cut(), seed=SEED), 2e-3).stretches
+    return text_of("rapid", stretch.row.targets[:12], turned=AXES)
+
+
+@pytest.fixture(scope="module")
+def program(text):
+    return own_program(ProgramCut(program=read_program(text)), seed=SEED)
+
+
+class Elsewhere:
+    """The robot of the experiment, on which rows are run, and its recordings."""
+
+    def __init__(self, program):
+        self.program, plant = program, program.experiment.plant
+        fresh = own_program(program.experiment.cut, seed=SEED).experiment.plant
+        self.plant, self.model = fresh, plant.loaded.model
+
+    def run(self, rows, interpolator=None):
+        program = self.program
+        if interpolator is not None:
+            program = replace(program, interpolator=interpolator)
+        asked = program.run(rows)
+        robot = VirtualRobot(self.model, nominal=program.controller)
+        plant = CuttingPlant(robot.load(asked.reference), self.plant.tracker, self.plant.rng)
+        return plant.run(np.zeros_like(asked.reference)), asked
+
+
+def recorded(run, late=0.0, every=1, rest=0.0):
+    """A log that begins `rest` before the run, by a clock that is `late`, of every n-th sample."""
+    streams = []
+    for time, values in (
+        (run.recording.time, run.recording.motor_angle),
+        (run.tracker.time, run.tracker.position),
+    ):
+        before = np.arange(-rest, 0.0, time[1])
+        still = np.repeat(values[:1], len(before), axis=0)
+        stream = Stream(np.r_[before, time][::every] + late, np.r_[still, values][::every])
+        streams.append(stream)
+    return MotionRecording(name="rec", encoders=streams[0], tracker=streams[1], form="test")
+
+
+LOGS = [
+    ({}, None, 2e-3),
+    ({"late": 1234.5678, "rest": 3.001}, None, 2e-3),
+    ({"every": 3}, None, 3e-3),
+    ({"late": -7.0}, "30 % dips", 8e-3),
+    ({}, "sharp corners, 10 % dips", 4e-3),
+]
+
+
+@pytest.mark.parametrize(("log", "interpolator", "bound"), LOGS)
+def test_a_log_is_aligned_by_its_own_motion_whatever_its_clock_rate_and_length(
+    program, log, interpolator, bound
+):
+    """Places of the plan at the times of the log: 2 ms are made by friction, whose model is wrong;
+    dips of 20 Hz are above the low-pass of places."""
+    none = np.zeros((program.ends[-1], 3))
+    how = None if interpolator is None else VIRTUAL[interpolator]
+    run, asked = Elsewhere(program).run(program.rows(none), how)
+    found = aligned(program, recorded(run, **log), none)
+    (stretch,) = program.stretches
+    begin, end = stretch.start + 0.15, stretch.start + stretch.timing.duration - 0.15
+    plan = np.linspace(begin, end, 50)
+    at = np.interp(plan, *found.clock[::-1])
+    true = np.interp(plan, asked.plan_time, asked.run_time)
+    # The log is cut to its own start: what both have is the motor angle at a place.
+    ours = [np.interp(at, found.recording.time, a) for a in found.recording.motor_angle.T]
+    theirs = [np.interp(true, run.recording.time, a) for a in run.recording.motor_angle.T]
+    speed = np.abs(np.gradient(theirs, plan, axis=1)).max()
+    assert np.abs(np.subtract(ours, theirs)).max() < bound * speed
+
+
+def test_a_program_learned_over_files_alone_by_hand_equals_the_run_in_process_within_1_um(
+    text, program, tmp_path, monkeypatch
+):
+    """Read, run elsewhere, recording, learn, load: twice, with a clock of its own. In process the
+    same recordings and unrounded targets stay in memory."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "part.mod").write_bytes(text.content.encode("latin-1"))
+    by_hand, in_process = Elsewhere(program), Elsewhere(program)
+    current, state, kept, before = tmp_path / "part.mod", None, [], ""
+    offsets = np.zeros((program.ends[-1], 3))
+    for k in range(3):
+        rows = own_program(replace(program.experiment.cut, program=read_program_file(current)))
+        run, _ = by_hand.run([stretch.row for stretch in rows.stretches])
+        same, _ = in_process.run(program.rows(offsets))
+        tools = [each.recording.truth.tool_position for each in (run, same)]
+        n = min(map(len, tools))
+        assert np.linalg.norm(tools[0][:n] - tools[1][:n], axis=1).max() < 1 * UM
+        if k == 2:
+            break
+        folder = tmp_path / f"recording-{k}"
+        folder.mkdir()
+        write_motion_tables(folder, recorded(run, late=77.7, rest=1.0), "csv")
+        found = ran(tmp_path / f"run-{k}", f"program learn part.mod --recording {folder}", before)
+        kept.append(recorded(same))
+        learned = learned_from(read_program(text), "large", "tracker", (kept[0], kept[-1]), state)
+        state, offsets = learned.state, learned.offsets
+        assert found["rms"] == pytest.approx(learned.rms, abs=1 * UM)
+        assert found["k"] == k
+        current, before = tmp_path / f"run-{k}/part.mod", f"--from run-{k}"
+    first = json.loads((tmp_path / "run-0/summary.json").read_text(encoding="utf-8"))
+    assert found["rms"] < 0.25 * first["rms"]
+    measure = measure_of_robot("tracker")
+    *_, last = learn_targets(program, measure, 1)  # knows the clock of its controller
+    on = program.experiment.motion.is_on_contour(program.experiment.motion.time)
+    known = np.sqrt(np.mean(np.sum(last.error[on] ** 2, axis=1)))
+    assert found["rms"] < 1.2 * known
+
+
+def without_tracker(recording):
+    return replace(recording, tracker=None)
+
+
+def millimetres(recording):
+    tracker = recording.tracker
+    return replace(recording, tracker=Stream(tracker.time, 1e3 * tracker.values))
+
+
+def turned(recording):
+    tracker = recording.tracker
+    return replace(recording, tracker=Stream(tracker.time, tracker.values[:, [1, 0, 2]]))
+
+
+def late(recording):
+    tracker = recording.tracker
+    return replace(recording, tracker=Stream(tracker.time + 0.05, tracker.values))
+
+
+def cut_off(recording):
+    encoders = recording.encoders
+    return replace(recording, encoders=Stream(encoders.time[60:], encoders.values[60:]))
+
+
+def elsewhere(recording):
+    encoders = recording.encoders
+    return replace(recording, encoders=Stream(encoders.time, encoders.values + 0.02))
+
+
+REFUSED = [
+    (without_tracker, "rec: the first recording has no tracker to learn from"),
+    (millimetres, r"moves 1\.?\d*e\+03 times as far as the encoders say"),
+    (turned, "its axes must be those of the robot's base"),
+    (late, "s behind the encoders: their stamps must be of one clock"),
+    (cut_off, r"rec: begins 0\.2\d? s too late"),
+    (elsewhere, "rec: no motion along row 1 of m.mod"),
+]
+
+
+@pytest.mark.parametrize(("change", "reason"), REFUSED)
+def test_a_recording_that_does_not_fit_is_refused(text, program, change, reason):
+    run, _ = Elsewhere(program).run(program.rows(np.zeros((program.ends[-1], 3))))
+    log = change(recorded(run, rest=0.3 if change is late else 0.0))
+    with pytest.raises(ValueError, match=reason):
+        learned_from(read_program(text), "large", "tracker", (log, log))
