@@ -29,7 +29,7 @@ FULL_INSTANCES = {
     "imu-large": 10, "imu-rest": 10, "laser-irb1400": 20, "laser-irb1400-design": 20,
     "laser-irb1400-poses": 20, "estimation-irb1400": 10, "estimation-arms": 2, "long-way": 10,
     "first-cut": 6, "first-cut-imu": 6, "imu-twin": 2, "robots": 5, "robots-design": 3,
-    "knob-free": 100, "basis-functions": 2, "urdf": 5, "programs": 8,
+    "knob-free": 100, "basis-functions": 2, "urdf": 5, "programs": 10,
 }  # fmt: skip
 
 
