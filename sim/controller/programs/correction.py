@@ -39,6 +39,8 @@ LARGEST_OFFSET = 5e-3
 """[m]. ESTIMATE: three times what was seen on the large robot."""
 LARGEST_TURN = 0.01
 """Between the orientations of run and program [rad]. ESTIMATE"""
+NOTHING = 5e-7
+"""Offset that is of the least squares and of no run [m]. ESTIMATE: 0.1 um were seen."""
 LONGEST = 200.0
 """[m], of all linear moves of a program."""
 APART = 1.0
@@ -108,6 +110,7 @@ def corrected(program: ProgramText, spans: Sequence[tuple[Array, Array]], R: Arr
     known = np.flatnonzero(weight > SUPPORT * weight.max())
     offset, own = np.zeros((len(points), 3)), N[:, known]
     offset[known] = splu((own.T @ own).tocsc()).solve(own.T @ error)
+    offset[np.linalg.norm(offset, axis=1) < NOTHING] = 0.0
     largest = float(np.linalg.norm(offset, axis=1).max())
     if largest > LARGEST_OFFSET:
         most = f"at most {1e3 * LARGEST_OFFSET:g} mm are allowed"

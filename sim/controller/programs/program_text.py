@@ -17,8 +17,9 @@ from .scanner import Number, Text
 Language = Literal["rapid", "krl", "urscript"]
 UNIT = {"rapid": 1e-3, "krl": 1e-3, "urscript": 1.0}
 """Of lengths [m]."""
-DECIMALS = {"rapid": 3, "krl": 3, "urscript": 6}
-"""Least decimals of a length that is written: 1 um."""
+DECIMALS = {"rapid": 4, "krl": 4, "urscript": 7}
+"""Least decimals of a length that is written: 0.1 um, as single precision has it at 1 m. With 1 um
+tools were off by 5 um."""
 LARGEST_POSITION = 100.0
 """[m]."""
 Point = tuple[Number, ...]
@@ -100,15 +101,15 @@ class ProgramText:
     entry: str
     """Routine that it starts with."""
 
-    def edited(self, moves: Mapping[Point, Array], more: int = 0) -> tuple[Text, ...]:
+    def edited(self, moves: Mapping[Point, Array]) -> tuple[Text, ...]:
         """The texts with points moved by (3,) [m] in their work object, every other byte as it
-        is. more: decimals beyond the least."""
+        is."""
         steps = {n: step for point, by in moves.items() for n, step in zip(point, by, strict=True)}
         found = list[Text]()
         for text in self.texts:
             pieces, at = list[str](), 0
             for n in sorted((n for n in steps if n.text_of is text), key=lambda n: n.start):
-                pieces += [text.content[at : n.start], self.written(n, steps[n], more)]
+                pieces += [text.content[at : n.start], self.written(n, steps[n])]
                 at = n.end
             found.append(Text(text.name, "".join(pieces) + text.content[at:]))
         return tuple(found)
@@ -118,11 +119,11 @@ class ProgramText:
         pairs = zip(point, by, strict=True)
         return any(self.written(n, step) != self.written(n, 0.0) for n, step in pairs)
 
-    def written(self, number: Number, step: float, more: int = 0) -> str:
+    def written(self, number: Number, step: float) -> str:
         """A number with a step [m] added; as it was where its digits are the same."""
         old = number.text_of.content[number.start : number.end]
         fraction = old.partition(".")[2]
-        n = max(DECIMALS[self.language] + more, len(fraction) if fraction.isdigit() else 0)
+        n = max(DECIMALS[self.language], len(fraction) if fraction.isdigit() else 0)
         new = f"{number.value + step / UNIT[self.language]:.{n}f}"
         if float(new) == float(f"{number.value:.{n}f}"):
             return old

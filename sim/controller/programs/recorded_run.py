@@ -56,8 +56,6 @@ ALIKE = 0.95
 """Correlation of tracker and encoders, below which their axes differ. ESTIMATE"""
 LATE = 0.02
 """Between clocks of tracker and encoders [s]. ESTIMATE"""
-FINER = 1
-"""Decimals beyond the least: 0.1 um, as single precision has it at 1 m. Runs repeat as well."""
 SENSORS = {"tracker": Source.TRACKER, "estimate": Source.ESTIMATE}
 
 
@@ -340,7 +338,7 @@ def learned_from(
         state=LoopState(1 if before is None else before.k + 1, after, error, memory_after, size),
         rms=float(np.sqrt(np.mean(np.sum(error[on] ** 2, axis=1)))),
         offsets=offsets,
-        texts=text.edited(moves, FINER),
+        texts=text.edited(moves),
         changed=sum(text.edits(point, by) for point, by in moves.items()),
         notes=notes,
     )

@@ -127,12 +127,12 @@ WORK = (np.array([0.8, -0.1, 0.5]), Rotation.from_euler("Z", 1.2))
 
 def pose_of(language, at, turn):
     if language == "rapid":
-        form, turned = "[[{:.3f},{:.3f},{:.3f}],[{:.12f},{:.12f},{:.12f},{:.12f}]]", turn.as_quat
+        form, turned = "[[{:.4f},{:.4f},{:.4f}],[{:.12f},{:.12f},{:.12f},{:.12f}]]", turn.as_quat
         return form.format(*(1e3 * at), *turned(scalar_first=True))
     if language == "krl":
-        form = "{{X {:.3f},Y {:.3f},Z {:.3f},A {:.10f},B {:.10f},C {:.10f}}}"
+        form = "{{X {:.4f},Y {:.4f},Z {:.4f},A {:.10f},B {:.10f},C {:.10f}}}"
         return form.format(*(1e3 * at), *turn.as_euler("ZYX", degrees=True))
-    form = "p[{:.6f}, {:.6f}, {:.6f}, {:.11f}, {:.11f}, {:.11f}]"
+    form = "p[{:.7f}, {:.7f}, {:.7f}, {:.11f}, {:.11f}, {:.11f}]"
     return form.format(*at, *turn.as_rotvec())
 
 
