@@ -16,11 +16,15 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 from armside.arrays import Array
+from armside.kinematics import UnreachableError
+from armside.kinematics.inverse.closed_form import JointRangeError
 
 from ...laser.experiment import CuttingPlant, Experiment, Pass
+from ...laser.joint_bounds import out_of_reach
 from ...motion.path import Plane
 from ...motion.timing import Timing
 from ...motion.tool_motion import joint_reference
+from ...part.arcs import place
 from ...part.motion import PartMotion
 from ...robot.statics import Statics, anticipated_shift, smoothed
 from ...robot.virtual_robot import LOG_PERIOD, VirtualRobot
@@ -221,11 +225,15 @@ class PlannedProgram:
         moved = _Positions(position, np.tile(motion.quaternion[0], (n, 1)))
         robot, limits, free = cut.cell.robot, cut.cell.limits, cut.cell.free_rotation
         start = self.experiment.loaded.reference[0]
-        phi = joint_reference(moved, robot, limits, start=start, free_rotation=free)
-        shift = smoothed(anticipated_shift(self.controller, phi, LOG_PERIOD))
-        reference = joint_reference(
-            moved, robot, limits, start=phi[0], shift=shift, free_rotation=free
-        )
+        try:
+            phi = joint_reference(moved, robot, limits, start=start, free_rotation=free)
+            shift = smoothed(anticipated_shift(self.controller, phi, LOG_PERIOD))
+            reference = joint_reference(
+                moved, robot, limits, start=phi[0], shift=shift, free_rotation=free
+            )
+        except (UnreachableError, JointRangeError) as error:
+            planned = motion.position_at(np.interp(time[error.index], points, at))
+            raise out_of_reach(error, where(motion, planned), robot) from error
         return ProgramRun(reference=reference, run_time=run_time, plan_time=plan)
 
     def _path(self, stretch: Stretch, row: Row) -> "_Path":
@@ -246,6 +254,13 @@ class PlannedProgram:
         time = lengths / np.minimum(speed, most * np.sqrt(lengths))
         slower = lengths / np.diff(knots) * (np.maximum(time, how.block_time) * speed / lengths)
         return _Path(stretch, stretch.length / was[-1] * knots, ends, slower, how.dip, s, path)
+
+
+def where(motion: Any, position: Array) -> str:
+    """A place in the drawing, or in base axes where there is none."""
+    if isinstance(motion, PartMotion):
+        return place(motion.plane.from_base(position)[:2] + np.array(motion.middle))
+    return "({:.1f}, {:.1f}, {:.1f}) mm".format(*(1e3 * position))
 
 
 @dataclass(frozen=True, eq=False)

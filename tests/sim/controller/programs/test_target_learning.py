@@ -1,5 +1,6 @@
 """Virtual controllers run rows of targets, and targets are learned across the path."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -118,6 +119,17 @@ def test_the_error_is_that_across_the_path_and_never_at_the_same_time(program):
     size = np.linalg.norm(error, axis=1)
     np.testing.assert_allclose(size, np.hypot(3e-4, 1e-4), atol=1 * UM)
     np.testing.assert_allclose(error[:, 2], -1e-4, atol=1 * UM)
+
+
+def test_a_target_out_of_reach_is_refused_by_its_place_on_the_contour(program):
+    """One of a circle about a pose, 9 m above the others."""
+    up = np.zeros((program.ends[-1], 3))
+    up[len(up) // 2, 2] = 9.0
+    with pytest.raises(ValueError, match=r"out of reach at \((.*)\) mm: the wrist") as error:
+        program.run(program.rows(up))
+    at = [float(x) for x in re.findall(r"-?\d+\.\d", str(error.value))[:3]]
+    away = 1e3 * np.array(program.experiment.cut.tool_pose.position) - at
+    assert np.linalg.norm(away) == pytest.approx(5.0, abs=0.2)
 
 
 def test_displacements_of_the_path_are_offsets_of_the_targets(program):

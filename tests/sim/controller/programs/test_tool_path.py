@@ -16,6 +16,7 @@ from armside.sim.controller.programs import (
 from armside.sim.controller.programs.new_program import ENDINGS, fitted
 from armside.sim.controller.programs.scanner import Text
 from armside.sim.controller.programs.tool_path import Row, arc, arcs_of
+from armside.sim.controller.programs.virtual_run import where
 from armside.sim.motion.instructions import ProgramError
 from armside.sim.motion.path import Plane
 from armside.sim.motion.timing import PathLimits, rest_to_rest
@@ -113,6 +114,11 @@ def test_a_new_program_reads_back_as_its_contours(language):
     assert "SET" in new.text.content
     assert "beam on: hole ??0" in new.text.content
     assert new.text.content.isascii()
+
+
+def test_a_place_of_a_part_is_named_in_its_drawing():
+    made = motion()
+    assert where(made, made.to_base(np.array([0.03, 0.0125]))) == "(30, 12.5) mm"
 
 
 def test_automatic_spacing_follows_speed_and_radius():
