@@ -204,6 +204,18 @@ class ProgramCut(Setup[ProgramMotion]):
         return {}
 
 
+def fitted_rms(motion: ProgramMotion, error: Array) -> float:
+    """RMS [m] of an error across the path (N, 3) [m], its rows moved to fit as by `errors`."""
+    tangent, left = np.gradient(motion.position, axis=0), list[Array]()
+    for leg in motion.learned:
+        on = (motion.time >= leg.cruise[0]) & (motion.time < leg.cruise[1])
+        t = tangent[on] / np.linalg.norm(tangent[on], axis=1, keepdims=True)
+        across = np.eye(3) - t[:, :, np.newaxis] * t[:, np.newaxis, :]
+        shift = np.linalg.lstsq(across.sum(axis=0), error[on].sum(axis=0), rcond=1e-6)[0]
+        left.append(error[on] - across @ shift)
+    return float(np.sqrt(np.mean(np.sum(np.concatenate(left) ** 2, axis=1))))
+
+
 def own_program(cut: ProgramCut, *, seed: int = 0) -> PlannedProgram:
     """The program of a cut, whose targets can be moved. Raises as `prepare` and `ProgramCut`."""
     experiment: Any = prepare(cut, seed=seed)

@@ -28,7 +28,7 @@ from ...records.files import InputError
 from ...robot.recording import Recording, Truth
 from ...robot.virtual_robot import LOG_PERIOD
 from .correction import LARGEST_OFFSET
-from .own_program import REST_BEFORE, ProgramCut, moved_points, own_program, text_of
+from .own_program import REST_BEFORE, ProgramCut, fitted_rms, moved_points, own_program, text_of
 from .program_text import ProgramText
 from .scanner import Text
 from .target_learning import Model, contour_measure
@@ -281,7 +281,7 @@ class Learned(NamedTuple):
     state: LoopState
     """Run k + 1 with its correction, and the error of run k."""
     rms: float
-    """Distance of the tool from its path in the recorded run, by the measure [m]."""
+    """Distance of the tool from its rows, moved to fit, in the recorded run, by the measure [m]."""
     offsets: Array
     """(M, 3) [m], of the targets from those of the person's program."""
     texts: tuple[Text, ...]
@@ -333,10 +333,9 @@ def learned_from(
     offsets = program.offsets(after)
     moves = moved_points(program, offsets)
     size = output.size(error) if before is None else before.first_size
-    on = program.experiment.motion.is_on_contour(program.experiment.motion.time)
     found = Learned(
         state=LoopState(1 if before is None else before.k + 1, after, error, memory_after, size),
-        rms=float(np.sqrt(np.mean(np.sum(error[on] ** 2, axis=1)))),
+        rms=fitted_rms(program.experiment.motion, error),
         offsets=offsets,
         texts=text.edited(moves),
         changed=sum(text.edits(point, by) for point, by in moves.items()),

@@ -15,7 +15,7 @@ from armside.sim.controller.programs import (
     read_program,
     read_program_file,
 )
-from armside.sim.controller.programs.own_program import ProgramCut, own_program
+from armside.sim.controller.programs.own_program import ProgramCut, fitted_rms, own_program
 from armside.sim.controller.programs.recorded_run import aligned, learned_from, measure_of_robot
 from armside.sim.laser.experiment import CuttingPlant, prepare
 from armside.sim.laser.specification import Cut
@@ -138,9 +138,19 @@ def test_a_program_learned_over_files_alone_by_hand_equals_the_run_in_process_wi
     assert found["rms"] < 0.25 * first["rms"]
     measure = measure_of_robot("tracker")
     *_, last = learn_targets(program, measure, 1)  # knows the clock of its controller
-    on = program.experiment.motion.is_on_contour(program.experiment.motion.time)
-    known = np.sqrt(np.mean(np.sum(last.error[on] ** 2, axis=1)))
-    assert found["rms"] < 1.2 * known
+    assert found["rms"] < 1.2 * fitted_rms(program.experiment.motion, last.error)
+
+
+def test_the_rms_of_a_run_is_that_of_its_rows_moved_to_fit(program):
+    """Of a place that is off by a constant nothing is left, of 0.1 mm out of the plane all."""
+    motion = program.experiment.motion
+    tangent = np.gradient(motion.position, axis=0)
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-12)
+    place = np.array([3e-4, -2e-4, 5e-4])
+    off = place - (tangent @ place)[:, None] * tangent
+    assert fitted_rms(motion, off) < 0.01 * UM
+    wave = np.where(np.arange(len(off)) % 2, 1e-4, -1e-4)[:, None] * [0.0, 0.0, 1.0]
+    assert fitted_rms(motion, off + wave) == pytest.approx(1e-4, rel=1e-3)
 
 
 def without_tracker(recording):
