@@ -105,6 +105,36 @@ def test_a_log_is_aligned_by_its_own_motion_whatever_its_clock_rate_and_length(
     assert np.abs(np.subtract(ours, theirs)).max() < bound * speed
 
 
+def test_rows_with_stops_between_them_are_each_aligned_with_their_own():
+    """Two rows of a circle; the robot rests for 0.4 s between them, which no program says."""
+    (stretch,) = PlannedProgram.of(prepare(Cut(), seed=SEED), 2e-3).stretches
+    stop = (",z,t\\WObj:=w; ! 8", ",fine,t\\WObj:=w; ! 8")
+    text = text_of("rapid", stretch.row.targets[:17], turned=AXES, change=stop)
+    program = own_program(ProgramCut(program=read_program(text)), seed=SEED)
+    first, second = program.stretches
+    assert [len(each.row.targets) for each in (first, second)] == [9, 9]
+    run, asked = Elsewhere(program).run(program.rows(np.zeros((program.ends[-1], 3))))
+    log = recorded(run)
+    between = np.interp(second.start, asked.plan_time, asked.run_time)
+
+    def paused(stream):
+        k = int(np.searchsorted(stream.time, between))
+        pause = stream.time[k] + (stream.time[1] - stream.time[0]) * np.arange(100)
+        pause = pause[pause < stream.time[k] + 0.4]
+        time = np.r_[stream.time[:k], pause, stream.time[k:] + 0.4]
+        still = np.repeat(stream.values[k : k + 1], len(pause), axis=0)
+        return Stream(time, np.r_[stream.values[:k], still, stream.values[k:]])
+
+    log = replace(log, encoders=paused(log.encoders), tracker=paused(log.tracker))
+    found = aligned(program, log, np.zeros((program.ends[-1], 3)))
+    for each, late in ((first, 0.0), (second, 0.4)):
+        middle = each.start + 0.5 * each.timing.duration
+        at = np.interp(middle, *found.clock[::-1]) - np.interp(
+            middle, asked.plan_time, asked.run_time
+        )
+        assert at == pytest.approx(late, abs=5e-3)
+
+
 def test_a_program_learned_over_files_alone_by_hand_equals_the_run_in_process_within_1_um(
     text, program, tmp_path, monkeypatch
 ):
