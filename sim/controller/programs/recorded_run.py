@@ -82,7 +82,6 @@ def aligned(program: PlannedProgram, recording: MotionRecording, offsets: Array)
     Raises InputError for one of another path, robot, axes or clock.
     """
     cut, encoders = program.experiment.cut, recording.encoders
-    check_angles(cut.cell.limits, recording)
     pose = kinematics.compile(cut.cell.robot).pose
 
     def tool(phi: Array) -> Array:
@@ -309,7 +308,10 @@ def learned_from(
     """
     first, last = recordings
     home = tuple(first.encoders.values[0].tolist())
-    program = own_program(ProgramCut(program=text, robot=robot, home=home))
+    cut = ProgramCut(program=text, robot=robot, home=home)
+    for each in recordings:
+        check_angles(cut.cell.limits, each)
+    program = own_program(cut)
     none = np.zeros((len(program.experiment.motion.time), 3))
     u = none if before is None else before.correction
     if u.shape != none.shape:

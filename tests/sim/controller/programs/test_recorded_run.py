@@ -212,7 +212,19 @@ def elsewhere(recording):
     return replace(recording, encoders=Stream(encoders.time, encoders.values + 0.02))
 
 
+def in_degrees(recording):
+    encoders = recording.encoders
+    return replace(recording, encoders=Stream(encoders.time, np.degrees(encoders.values)))
+
+
+def of_two_axes(recording):
+    encoders = recording.encoders
+    return replace(recording, encoders=Stream(encoders.time, encoders.values[:, :2]))
+
+
 REFUSED = [
+    (in_degrees, "are the angles in degrees?"),
+    (of_two_axes, "the robot has 6 motors, the recording has 2"),
     (without_tracker, "rec: the first recording has no tracker to learn from"),
     (millimetres, r"moves 1\.?\d*e\+03 times as far as the encoders say"),
     (turned, "its axes must be those of the robot's base"),
