@@ -93,3 +93,16 @@ def test_a_rest_whose_readings_repeat_makes_no_motion_a_fault():
     noisy = values + np.random.default_rng(0).normal(0.0, 1e-6, values.shape) * (values > 0.0)
     stream, notes = repaired("encoders", time, noisy)
     assert (len(stream.time), notes) == (len(time), ())
+
+
+@pytest.mark.parametrize("begin", [np.inf, 9.5])
+@pytest.mark.parametrize("spikes", [[300], [100, 300, 500, 700, 900], [975]])
+def test_a_spike_in_a_record_at_rest_is_dropped(begin, spikes):
+    """Still but for a short, slow motion of encoders with noise."""
+    time = 0.01 * np.arange(1000)
+    noise = np.random.default_rng(0).normal(0.0, 1e-5, 1000)
+    values = np.where(time > begin, np.maximum(time - min(begin, 10.0), 0.0) ** 3 + noise, 0.0)
+    values[spikes] += 0.5
+    stream, notes = repaired("encoders", time, values[:, None])
+    np.testing.assert_array_equal(stream.time, np.delete(time, spikes))
+    assert f"{len(spikes)} off their neighbours" in notes[0]
