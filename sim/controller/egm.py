@@ -133,8 +133,8 @@ class EgmWire:
 class EgmPathWire(EgmWire):
     """EGM's path correction: offsets from the path of the program, as EGMMoveL takes them.
 
-    Frame and axes by ABB's application manual, from memory: `Answer.of_path`. An offset is that
-    from the programmed path, and none adds to the last.
+    Frame and axes are an ESTIMATE, not verified against ABB's application manual: `Answer.of_path`.
+    An offset is that from the programmed path, and none adds to the last.
     """
 
     def encode_answer(self, answer: Answer, time: int) -> bytes:
