@@ -31,7 +31,7 @@ from .correction import LARGEST_OFFSET
 from .own_program import REST_BEFORE, ProgramCut, fitted_rms, moved_points, own_program, text_of
 from .program_text import ProgramText
 from .scanner import Text
-from .target_learning import Model, contour_measure
+from .target_learning import Model, at_plan, contour_measure
 from .tool_path import arc_lengths
 from .virtual_run import PlannedProgram
 
@@ -56,6 +56,15 @@ ALIKE = 0.95
 """Correlation of tracker and encoders, below which their axes differ. ESTIMATE"""
 LATE = 0.02
 """Between clocks of tracker and encoders [s]. ESTIMATE"""
+SHAPE = (4e-4, 2e-3)
+"""RMS [m] by which motors may draw a row in another shape than the model's, and over its size.
+ESTIMATE: 0.14 to 0.19 mm on individuals of development."""
+PACE = (0.8, 1.3)
+"""Time of a row over the model's. ESTIMATE: an interpolator that dips by 30 % takes 1.2."""
+OWN_SHARE = (0.5, 1.5)
+"""Share of the targets' offsets in what the motors do otherwise than in the first run. ESTIMATE"""
+TOLD = 2e-5
+"""RMS of offsets from which a run is told from the first [m]. ESTIMATE"""
 SENSORS = {"tracker": Source.TRACKER, "estimate": Source.ESTIMATE}
 
 
@@ -139,12 +148,23 @@ def _clock(
         length = float(arc_lengths(path)[-1])
         s = np.linspace(ENDS, length - ENDS, max(int(length / KNOTS), 4))
         at, own_at = found.at(s), own.at(s)
+        drawn = CubicSpline(time, seen)(at) - np.stack(
+            [np.interp(s, arc_lengths(path), column) for column in path.T], axis=1
+        )
+        off = float(np.sqrt(np.sum(np.var(drawn, axis=0))))
+        if off > SHAPE[0] + SHAPE[1] * length:
+            text = f"the motors draw another shape, by {1e3 * off:.2g} mm RMS"
+            raise InputError(f"{name}: along {where} {text}: is it a run of this program?")
         plan = np.interp(own_at, asked.run_time, asked.plan_time) - stretch.start
         first, last = stretch.timing.cruise
         cruise = (plan >= first) & (plan <= last) if last > first else np.full(len(s), True)
         at, own_at = at[cruise], own_at[cruise]
         if len(at) == 0 or (np.diff(at) <= 0.0).any():
             raise InputError(f"{name}: the tool rests or goes back along {where}")
+        pace = float(np.median(np.diff(at) / np.diff(own_at)))
+        if len(at) > 1 and not PACE[0] <= pace <= PACE[1]:
+            text = f"takes {pace:.3g} times as long as programmed, not {PACE[0]:g} to {PACE[1]:g}"
+            raise InputError(f"{name}: {where} {text}: run it at an override of 100 %")
         ramps = ends - own_at[[0, -1]]  # as fast as planned, for slow places say little of time
         at = np.r_[at[0] + ramps[0], at, at[-1] + ramps[1]]
         pairs.append((at, np.r_[ends[0], own_at, ends[1]]))
@@ -162,6 +182,26 @@ def _clock(
         left, velocity = model[early] - model[0] - path(at + start) + rest, path(at + start, 1)
         start += float(np.clip((velocity * left).sum() / (velocity**2).sum(), -1e-2, 1e-2))
     return start, (asked.run_time, asked.plan_time)
+
+
+def _check_own(
+    program: PlannedProgram, name: str, runs: tuple[Pass, Pass], displacement: Array
+) -> None:
+    """Refuse a recording whose motors differ from those of the first by another displacement of the
+    path than (N, 3) [m]."""
+    motion, pose = program.experiment.motion, kinematics.compile(program.experiment.cut.cell.robot)
+    on, tools = motion.is_on_contour(motion.time), list[Array]()
+    for run in runs:
+        tool = np.ascontiguousarray(pose.pose(run.recording.motor_angle)[:, :3, 3])
+        assert run.clock is not None
+        tools.append(at_plan(program, tool, *run.clock)[on])
+    u = displacement[on]
+    if float(np.sqrt(np.mean(np.sum(u**2, axis=1)))) < TOLD:
+        return
+    share = float(np.sum((tools[1] - tools[0]) * u) / np.sum(u**2))
+    if not OWN_SHARE[0] <= share <= OWN_SHARE[1]:
+        text = f"the motors follow {share:.2f} of what the last step moved the targets by"
+        raise InputError(f"{name}: {text}: it is no recording of the program of this run")
 
 
 def _even(path: Array, step: float = 1e-4) -> Array:
@@ -321,6 +361,8 @@ def learned_from(
             raise InputError(f"{each.name}: {name} recording has no {measure} to learn from")
     of_first = aligned(program, first, program.offsets(none))
     run = of_first if before is None else aligned(program, last, program.offsets(u))
+    if before is not None:
+        _check_own(program, last.name, (of_first, run), u)
     output = contour_measure(program, measure_of_robot(measure))(of_first)
     error = output.reference - output(run)
     if not np.isfinite(error).all():

@@ -86,7 +86,7 @@ class ContourOutput:
     def __call__(self, run: Pass) -> Array:
         assert run.clock is not None
         position, valid = self.position(run)
-        return -across(self.program, position, *run.clock) * _at_plan(
+        return -across(self.program, position, *run.clock) * at_plan(
             self.program, valid[:, np.newaxis], *run.clock
         )
 
@@ -94,7 +94,7 @@ class ContourOutput:
         return np.array([float(np.linalg.norm(error))])
 
 
-def _at_plan(program: PlannedProgram, signal: Array, run_time: Array, plan_time: Array) -> Array:
+def at_plan(program: PlannedProgram, signal: Array, run_time: Array, plan_time: Array) -> Array:
     """A signal (K, n) at the log of a run, at the instants of the plan."""
     plan = program.experiment.motion.time
     time = np.interp(plan, plan_time, run_time) + np.maximum(plan - plan_time[-1], 0.0)
@@ -106,7 +106,7 @@ def across(program: PlannedProgram, position: Array, run_time: Array, plan_time:
     """(N, 3) [m], from the tool at positions (K, 3) [m] of a log, to the nearest place of the
     contour."""
     motion = program.experiment.motion
-    tool = _at_plan(program, position, run_time, plan_time)
+    tool = at_plan(program, position, run_time, plan_time)
     weight = np.where(motion.is_on_contour(motion.time), 1.0, LEADS)[:, np.newaxis]
     error, step = np.zeros_like(tool), 2.0 * FINE
     reach = np.arange(-round(BEHIND / step), round(AHEAD / step) + 1)
@@ -254,7 +254,7 @@ def contour_measure(
         def commanded(phi: Array) -> Array:
             return np.ascontiguousarray(pose(np.ascontiguousarray(phi))[:, :3, 3])
 
-        shift = experiment.programmed - _at_plan(program, commanded(asked.reference), *at)
+        shift = experiment.programmed - at_plan(program, commanded(asked.reference), *at)
 
         def by_motors(run: Pass) -> tuple[Array, Array]:
             log = run.recording

@@ -222,7 +222,14 @@ def of_two_axes(recording):
     return replace(recording, encoders=Stream(encoders.time, encoders.values[:, :2]))
 
 
+def at_half_speed(recording):
+    both = (recording.encoders, recording.tracker)
+    encoders, tracker = (Stream(2.0 * each.time, each.values) for each in both)
+    return replace(recording, encoders=encoders, tracker=tracker)
+
+
 REFUSED = [
+    (at_half_speed, r"row 1 of m.mod takes (1.9|2)\.?\d* times as long as programmed"),
     (in_degrees, "are the angles in degrees?"),
     (of_two_axes, "the robot has 6 motors, the recording has 2"),
     (without_tracker, "rec: the first recording has no tracker to learn from"),
@@ -237,6 +244,24 @@ REFUSED = [
 @pytest.mark.parametrize(("change", "reason"), REFUSED)
 def test_a_recording_that_does_not_fit_is_refused(text, program, change, reason):
     run, _ = Elsewhere(program).run(program.rows(np.zeros((program.ends[-1], 3))))
-    log = change(recorded(run, rest=0.3 if change is late else 0.0))
+    log = change(recorded(run, rest=0.3 if change in (late, at_half_speed) else 0.0))
     with pytest.raises(ValueError, match=reason):
         learned_from(read_program(text), "large", "tracker", (log, log))
+
+
+def test_a_run_of_another_program_is_refused(text, program):
+    """Of a circle of 6 mm for 5 mm; of the first program for the second, and the first recording
+    once more."""
+    (stretch,) = program.stretches
+    targets, own = stretch.row.targets, Elsewhere(program)
+    larger = text_of("rapid", 1.2 * (targets - targets[0]) + targets[0], turned=AXES)
+    neighbour = own_program(ProgramCut(program=read_program(larger)), seed=SEED)
+    rows = [each.row for each in neighbour.stretches]
+    other = recorded(Elsewhere(neighbour).run(rows)[0])
+    with pytest.raises(ValueError, match=r"row 1 of m\.mod the motors draw another shape, by"):
+        learned_from(read_program(text), "large", "tracker", (other, other))
+    first, again = (recorded(own.run([stretch.row])[0], rest=0.1) for _ in range(2))
+    state = learned_from(read_program(text), "large", "tracker", (first, first)).state
+    for each in (again, first):
+        with pytest.raises(ValueError, match="it is no recording of the program of this run"):
+            learned_from(read_program(text), "large", "tracker", (first, each), state)
