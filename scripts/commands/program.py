@@ -11,6 +11,7 @@ from cyclopts import Parameter
 from armside.ilc.workbench.compare import RunState, save_states
 from armside.sim.controller.programs import ProgramText, read_program_file, rows_of
 from armside.sim.motion.instructions import MoveL, Wait
+from armside.sim.recordings.recorded_motion import MotionRecording
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.summary import dumps, summary
 from armside.sim.robot_file.find import check_named
@@ -97,23 +98,33 @@ def _learn(
     cfg, common, before = started(start, "program", cfg, common)
     assert cfg.recording is not None
     digest = sha256("".join(text.content for text in read.texts).encode("latin-1")).hexdigest()
-    first, state = cfg.recording, None
+    first, state, used = cfg.recording, None, list[str]()
+    last = read_motion(cfg.recording)
+    recordings = last, last
     if before is not None:
         first, state = _first_of(before, file, digest), before.state().loop
-    recordings = read_motion(first), read_motion(cfg.recording)
+        recordings, used = (read_motion(first), last), list(before.run.summary["recordings"])
+        if _digest(recordings[0]) != used[0]:
+            raise InputError(f"{first} is not as it was in the first run, whose recording it was")
+        if _digest(last) in used:
+            k = used.index(_digest(last))
+            raise InputError(
+                f"{cfg.recording} is the recording of run k = {k}: record run {state.k}"
+            )
     found = learned_from(read, cfg.robot, cfg.measure, recordings, state)
     entries = {
         "status": "done",
         "file": file,
         "digest": digest,
         "first_recording": first.resolve(),
+        "recordings": [*used, _digest(last)],
         "k": found.state.k - 1,
         "rms": found.rms,
         "targets": len(found.offsets),
         "changed": found.changed,
         "largest_offset": found.largest_offset,
         "program": found.texts[0].name,
-        "notes": [*found.notes, *(note for each in recordings[1:] for note in each.notes)],
+        "notes": [*found.notes, *dict.fromkeys(note for each in recordings for note in each.notes)],
     }
     outcome = summary("program", cfg, common, **entries)
     with RunFolder("program", seed=common.seed, out=common.out) as folder:
@@ -130,6 +141,14 @@ def _learn(
         ]
     )
     report.results(outcome, folder.path)
+
+
+def _digest(recording: MotionRecording) -> str:
+    hashed = sha256()
+    for stream in (recording.encoders, recording.imu, recording.tracker):
+        for signal in (stream.time, stream.values) if stream else ():
+            hashed.update(np.ascontiguousarray(signal).tobytes())
+    return hashed.hexdigest()
 
 
 def _first_of(before: Earlier[ProgramCfg], file: Path, digest: str) -> Path:

@@ -1,6 +1,7 @@
 """Programs are learned from recordings of their runs, whose clocks and rates nobody knows."""
 
 import json
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from tests.scripts.ran import ran
 
+from armside.scripts.cli import main
 from armside.sim.controller.programs import (
     VIRTUAL,
     PlannedProgram,
@@ -136,7 +138,7 @@ def test_rows_with_stops_between_them_are_each_aligned_with_their_own():
 
 
 def test_a_program_learned_over_files_alone_by_hand_equals_the_run_in_process_within_1_um(
-    text, program, tmp_path, monkeypatch
+    text, program, tmp_path, monkeypatch, capsys
 ):
     """Read, run elsewhere, recording, learn, load: twice, with a clock of its own. In process the
     same recordings and unrounded targets stay in memory."""
@@ -166,6 +168,12 @@ def test_a_program_learned_over_files_alone_by_hand_equals_the_run_in_process_wi
         current, before = tmp_path / f"run-{k}/part.mod", f"--from run-{k}"
     first = json.loads((tmp_path / "run-0/summary.json").read_text(encoding="utf-8"))
     assert found["rms"] < 0.25 * first["rms"]
+    go_on = "program learn part.mod --from run-0 --out other --recording recording-"
+    assert main(f"{go_on}0".split()) == 2
+    assert "recording-0 is the recording of run k = 0: record run 1" in capsys.readouterr().err
+    shutil.copytree("recording-1", "recording-0", dirs_exist_ok=True)
+    assert main(f"{go_on}1".split()) == 2
+    assert "recording-0 is not as it was in the first run" in capsys.readouterr().err
     measure = measure_of_robot("tracker")
     *_, last = learn_targets(program, measure, 1)  # knows the clock of its controller
     assert found["rms"] < 1.2 * fitted_rms(program.experiment.motion, last.error)
