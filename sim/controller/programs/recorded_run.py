@@ -65,6 +65,10 @@ OWN_SHARE = (0.5, 1.5)
 """Share of the targets' offsets in what the motors do otherwise than in the first run. ESTIMATE"""
 TOLD = 2e-5
 """RMS of offsets from which a run is told from the first [m]. ESTIMATE"""
+LEAST_TURN = 0.01
+"""Turn [rad] and scale of the tracker's path against that of the encoders, beyond what is left of
+the path when it is turned: the tool's own errors. ESTIMATE: 0.011 and 0.013, beside 0.028 that are
+left, on a circle of 5 mm by an individual of development."""
 SENSORS = {"tracker": Source.TRACKER, "estimate": Source.ESTIMATE}
 
 
@@ -278,8 +282,9 @@ def _tracked(recording: MotionRecording, start: float, time: Array, tool: Array)
     if (ratio := float(np.linalg.norm(a) / np.linalg.norm(b))) > 10.0:
         text = f"moves {ratio:.3g} times as far as the encoders say: is it in millimetres?"
         raise InputError(f"{recording.name}: the tracker {text}")
-    velocity = np.gradient(b, LOG_PERIOD, axis=0)
-    late = float(((b - a) * velocity).sum() / (velocity**2).sum())
+    away, ours = (np.linalg.norm(each - each[0], axis=1) for each in (seen, tool))
+    speed = np.gradient(ours, LOG_PERIOD)  # distances are the same in any axes
+    late = float(((ours - away) * speed).sum() / (speed**2).sum())
     likeness = float((a * b).sum() / (np.linalg.norm(a) * np.linalg.norm(b)))
     if likeness < ALIKE:
         text = f"and encoders move alike by {likeness:.3f}, not {ALIKE}"
@@ -288,9 +293,28 @@ def _tracked(recording: MotionRecording, start: float, time: Array, tool: Array)
     if abs(late) > LATE:
         text = f"is {late:.3g} s behind the encoders: their stamps must be of one clock"
         raise InputError(f"{recording.name}: the tracker {text}")
+    then = np.stack([np.interp(time - late, time, column) for column in tool.T], axis=1)
+    scale, turn, left = _similar(then, seen)
+    bound = left + LEAST_TURN
+    for value, what in ((turn, "turned"), (abs(scale - 1.0), "scaled")):
+        if value > bound:
+            text = f"is {what} by {value:.2g} against the encoders, {bound:.2g} can be its errors"
+            raise InputError(f"{recording.name}: the tracker {text}: are its axes the base's?")
     step = float(np.median(np.diff(own)))
     grid = step * np.arange(int(time[-1] / step) + 1, dtype=np.float64)
     return _samples(grid, spline(np.maximum(grid, own[0])))
+
+
+def _similar(a: Array, b: Array) -> tuple[float, float, float]:
+    """Scale, and turn and rest over the size, of the similarity from points (N, 3) to others
+    (Umeyama, IEEE PAMI 13 (1991) 376). Of a turn only what it moves counts: none about a line."""
+    a, b = a - a.mean(axis=0), b - b.mean(axis=0)
+    U, singular, V = np.linalg.svd(a.T @ b)
+    singular[2] *= (sign := np.linalg.det(U @ V))
+    turned, size = a @ (U * [1.0, 1.0, sign]) @ V, float(np.linalg.norm(a))
+    scale = float(singular.sum()) / size**2
+    moved, left = np.linalg.norm(turned - a), np.linalg.norm(b - scale * turned)
+    return scale, float(moved) / size, float(left) / size
 
 
 def _samples(time: Array, position: Array) -> TrackerSamples:

@@ -205,6 +205,29 @@ def turned(recording):
     return replace(recording, tracker=Stream(tracker.time, tracker.values[:, [1, 0, 2]]))
 
 
+def moved(recording, matrix):
+    """As a tracker with other axes about the first point sees it."""
+    tracker = recording.tracker
+    values = tracker.values[0] + (tracker.values - tracker.values[0]) @ np.asarray(matrix)
+    return replace(recording, tracker=Stream(tracker.time, values))
+
+
+def turned_by_5_degrees(recording, axis=0):
+    return moved(recording, Rotation.from_rotvec(np.radians(5.0) * np.eye(3)[axis]).as_matrix())
+
+
+def turned_in_the_plane(recording):
+    return turned_by_5_degrees(recording, 2)
+
+
+def turned_back(recording):
+    return moved(recording, Rotation.from_rotvec(np.radians([-5.0, 0.0, 0.0])).as_matrix())
+
+
+def a_tenth_smaller(recording):
+    return moved(recording, 0.9 * np.eye(3))
+
+
 def late(recording):
     tracker = recording.tracker
     return replace(recording, tracker=Stream(tracker.time + 0.05, tracker.values))
@@ -243,6 +266,10 @@ REFUSED = [
     (without_tracker, "rec: the first recording has no tracker to learn from"),
     (millimetres, r"moves 1\.?\d*e\+03 times as far as the encoders say"),
     (turned, "its axes must be those of the robot's base"),
+    (turned_by_5_degrees, "the tracker is turned by"),
+    (turned_in_the_plane, "the tracker is turned by"),
+    (turned_back, "the tracker is turned by"),
+    (a_tenth_smaller, "the tracker is scaled by"),
     (late, "s behind the encoders: their stamps must be of one clock"),
     (cut_off, r"rec: begins 0\.2\d? s too late"),
     (elsewhere, "rec: no motion along row 1 of m.mod"),
