@@ -6,7 +6,7 @@ start of a log, nor its rate, nor how long the run took need be known.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -14,16 +14,16 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfiltfilt
 
 from armside import kinematics
-from armside.arrays import Array
+from armside.arrays import Array, check_recorded_time
 from armside.ilc.learning import LoopState
 
-from ...instruments.imu import ImuSamples
+from ...instruments.imu import ImuCfg, ImuSamples
 from ...instruments.laser_tracker import TrackerSamples
 from ...laser.experiment import Pass
 from ...laser.measures import Measure, MotorAngles
 from ...laser.tool_measure import Source, ToolPath
 from ...notes import Cause, Note
-from ...recordings.recorded_motion import MotionRecording, check_angles
+from ...recordings.recorded_motion import GAP, LOST, MotionRecording, check_angles
 from ...records.files import InputError
 from ...robot.recording import Recording, Truth
 from ...robot.virtual_robot import LOG_PERIOD
@@ -69,6 +69,10 @@ LEAST_TURN = 0.01
 """Turn [rad] and scale of the tracker's path against that of the encoders, beyond what is left of
 the path when it is turned: the tool's own errors. ESTIMATE: 0.011 and 0.013, beside 0.028 that are
 left, on a circle of 5 mm by an individual of development."""
+FILTERED = 0.02
+"""Before and after a beam that is lost, where filters make samples of others [s]. ESTIMATE"""
+HOLE = 0.1
+"""Longest time without samples of encoders or IMU [s]: they are interpolated. ESTIMATE"""
 SENSORS = {"tracker": Source.TRACKER, "estimate": Source.ESTIMATE}
 
 
@@ -302,7 +306,15 @@ def _tracked(recording: MotionRecording, start: float, time: Array, tool: Array)
             raise InputError(f"{recording.name}: the tracker {text}: are its axes the base's?")
     step = float(np.median(np.diff(own)))
     grid = step * np.arange(int(time[-1] / step) + 1, dtype=np.float64)
-    return _samples(grid, spline(np.maximum(grid, own[0])))
+    lost = np.zeros(len(grid), dtype=bool)
+    for i in np.flatnonzero(np.diff(own) > GAP * step):
+        lost |= (grid > own[i] - FILTERED) & (grid < own[i + 1] + FILTERED)
+    if lost.mean() > LOST:
+        raise InputError(
+            f"{recording.name}: the tracker sees {100 * (1 - lost.mean()):.0f} % of the run"
+        )
+    samples = _samples(grid, spline(np.maximum(grid, own[0])))
+    return replace(samples, valid=samples.valid & ~lost)
 
 
 def _similar(a: Array, b: Array) -> tuple[float, float, float]:
@@ -327,14 +339,14 @@ def _imu(recording: MotionRecording, start: float) -> ImuSamples | None:
         return None
     time = recording.imu.time - start
     own = time >= 0.0
-    clipped = np.zeros((int(own.sum()), 3), dtype=bool)
+    cfg = ImuCfg()
     acceleration, rate = np.split(recording.imu.values[own], 2, axis=1)
     return ImuSamples(
         time=time[own],
         acceleration=acceleration,
         angular_velocity=rate,
-        acceleration_clipped=clipped,
-        angular_velocity_clipped=clipped,
+        acceleration_clipped=np.abs(acceleration) >= cfg.accelerometer.range,
+        angular_velocity_clipped=np.abs(rate) >= cfg.gyroscope.range,
     )
 
 
@@ -375,6 +387,9 @@ def learned_from(
     cut = ProgramCut(program=text, robot=robot, home=home)
     for each in recordings:
         check_angles(cut.cell.limits, each)
+        for stream in ("encoders", "imu") if measure == "estimate" else ("encoders",):
+            if (samples := getattr(each, stream)) is not None:
+                check_recorded_time(f"{each.name}: {stream}", samples.time, gap=HOLE)
     program = own_program(cut)
     none = np.zeros((len(program.experiment.motion.time), 3))
     u = none if before is None else before.correction
@@ -392,6 +407,9 @@ def learned_from(
     if not np.isfinite(error).all():
         raise InputError(f"{last.name}: the error of the tool is not finite")
     memory, notes = None if before is None else before.memory, output.notes
+    if measure == "tracker" and not (seen := run.tracker.valid).all():
+        lost = f"the laser tracker lost its beam in {100 * (1 - seen.mean()):.2g} % of the run"
+        notes = (*notes, Note(cause=Cause.BEAM, text=f"{lost}: nothing is learned there"))
     law = output.law
     law.check(*error.shape)
     after, memory_after = law.step(u, error, memory)

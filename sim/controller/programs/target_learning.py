@@ -273,7 +273,9 @@ def contour_measure(
 
         def by_tool(run: Pass) -> tuple[Array, Array]:
             if measure.source is not Source.ESTIMATE:
-                return start + output(run)[:, :3], np.ones(len(run.recording.time))
+                seen = run.tracker.valid if measure.source is Source.TRACKER else np.ones(2)
+                at = run.tracker.time[: len(seen)]
+                return start + output(run)[:, :3], np.interp(run.recording.time, at, seen)
             found = output.estimated(run)
             return start + found.displacement[:, :3], validity(found, run.recording.time).weight
 

@@ -19,6 +19,7 @@ from armside.sim.controller.programs import (
 )
 from armside.sim.controller.programs.own_program import ProgramCut, fitted_rms, own_program
 from armside.sim.controller.programs.recorded_run import aligned, learned_from, measure_of_robot
+from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import CuttingPlant, prepare
 from armside.sim.laser.specification import Cut
 from armside.sim.recordings.recorded_motion import MotionRecording, Stream
@@ -300,3 +301,36 @@ def test_a_run_of_another_program_is_refused(text, program):
     for each in (again, first):
         with pytest.raises(ValueError, match="it is no recording of the program of this run"):
             learned_from(read_program(text), "large", "tracker", (first, each), state)
+
+
+def without(recording, stream, first, last):
+    """A recording without the samples of a stream in [first, last) s."""
+    samples = getattr(recording, stream)
+    kept = (samples.time < first) | (samples.time >= last)
+    return replace(recording, **{stream: Stream(samples.time[kept], samples.values[kept])})
+
+
+def test_where_the_beam_is_lost_nothing_is_learned(text, program):
+    run, _ = Elsewhere(program).run(program.rows(np.zeros((program.ends[-1], 3))))
+    log, (stretch,) = recorded(run, rest=0.1), program.stretches
+    middle = stretch.start + 0.5 * stretch.timing.duration
+    lost = without(log, "tracker", middle - 0.03, middle + 0.03)
+    found = learned_from(read_program(text), "large", "tracker", (lost, lost))
+    time = program.experiment.motion.time
+    away = np.linalg.norm(found.state.error, axis=1)
+    assert away[np.abs(time - middle) < 0.03].max() < 1e-12
+    assert away[np.abs(time - middle) < 0.1].max() > 10 * UM
+    assert "nothing is learned there" in found.notes[-1].text
+    gap = without(log, "encoders", middle - 0.1, middle + 0.1)
+    with pytest.raises(ValueError, match=r"rec: encoders: .* no samples for 0\.\d+ s"):
+        learned_from(read_program(text), "large", "tracker", (gap, gap))
+
+
+def test_readings_at_the_range_of_an_imu_are_clipped(program):
+    run, _ = Elsewhere(program).run(program.rows(np.zeros((program.ends[-1], 3))))
+    log = recorded(run)
+    values = np.zeros((len(log.encoders.time), 6))
+    values[7, 2], values[9, 4] = -ImuCfg().accelerometer.range, ImuCfg().gyroscope.range
+    log = replace(log, imu=Stream(log.encoders.time + 5.0, values))
+    imu = aligned(program, log, np.zeros((program.ends[-1], 3))).imu
+    assert imu.acceleration_clipped.sum() == imu.angular_velocity_clipped.sum() == 1
