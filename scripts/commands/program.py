@@ -19,7 +19,7 @@ from armside.sim.robot_file.find import check_named
 from ..cutting.earlier import KEY, STATE, Earlier, FromCfg, started
 from ..shell.console import Report
 from ..shell.errors import InputError, checking_input
-from ..shell.options import Common, check_read, options
+from ..shell.options import Common, Limits, check_read, options
 
 Action = Annotated[
     Literal["read", "learn"],
@@ -42,9 +42,13 @@ class ProgramCfg:
     encoders alone."""
     robot: str = "large"
     """Robot that ran it: large, irb1400, ur10, irb120, aubo_i5, or a robot file."""
+    payload: float | None = None
+    """Mass of the tool [kg] [default: as in the robot's model]. The controller knows it."""
 
     def __post_init__(self) -> None:
         check_named(self.robot)
+        if self.payload is not None:
+            Limits(0.0, 1e4, "kg").check("payload", self.payload)
 
 
 def program(
@@ -111,7 +115,7 @@ def _learn(
             raise InputError(
                 f"{cfg.recording} is the recording of run k = {k}: record run {state.k}"
             )
-    found = learned_from(read, cfg.robot, cfg.measure, recordings, state)
+    found = learned_from(read, cfg.robot, cfg.measure, recordings, state, cfg.payload)
     entries = {
         "status": "done",
         "file": file,
@@ -154,7 +158,7 @@ def _digest(recording: MotionRecording) -> str:
 def _first_of(before: Earlier[ProgramCfg], file: Path, digest: str) -> Path:
     """Recording of the first run. Raises InputError for another program, robot or measure."""
     run = before.run
-    if changed := {"robot", "measure"} & set(before.changed):
+    if changed := {"robot", "measure", "payload"} & set(before.changed):
         raise InputError(f"{run.folder} was learned with another {', '.join(sorted(changed))}")
     if run.summary["digest"] != digest:
         first = f"give {run.summary['file']}, as it was in the first run"

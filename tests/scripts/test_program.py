@@ -151,6 +151,7 @@ REFUSED = {
     "export {run} --into far.src --robot large": "--robot is not for a run of a program",
     "program read far.src --measure motor": "are of `program learn`",
     "program learn far.src": "learn needs --recording",
+    "program learn far.src --payload -1": "0 to 10000 kg",
     "program learn far.src --recording {run}": "far.src has no row that can be learned",
     "export --into far.src": "--into is of a run",
     "cut hole.svg --spacing 2": "spacing is of --as-program",

@@ -375,16 +375,18 @@ def learned_from(
     measure: str,
     recordings: tuple[MotionRecording, MotionRecording],
     before: LoopState | None = None,
+    payload: float | None = None,
 ) -> Learned:
     """Targets for the next run of a program.
 
-    recordings: of its first run, and of run k, whose state is `before`; None for k = 0. Raises
+    recordings: of its first run, and of run k, whose state is `before`; None for k = 0.
+    payload: mass of the tool [kg]; that of the model if None. Raises
     InputError or ProgramError as `aligned` and `own_program`, ImuError for an IMU that cannot be
     used, and for targets that would move too far.
     """
     first, last = recordings
     home = tuple(first.encoders.values[0].tolist())
-    cut = ProgramCut(program=text, robot=robot, home=home)
+    cut = ProgramCut(program=text, robot=robot, home=home, payload=payload)
     for each in recordings:
         check_angles(cut.cell.limits, each)
         for stream in ("encoders", "imu") if measure == "estimate" else ("encoders",):

@@ -140,7 +140,7 @@ def test_displacements_of_the_path_are_offsets_of_the_targets(program):
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("language", ["rapid", "krl", "urscript"])
 def test_a_program_written_read_back_and_run_is_the_same_within_2_um_at_the_tool(language, seed):
-    """Numbers of 1 um: 1 um in the median, 2 at most, of drawn contours, poses and offsets; RAPID
+    """Numbers of 0.1 um: 1 um in the median, 2 at most, of drawn contours, poses and offsets; RAPID
     and KRL calculate in single precision. A tool and a work object stand between."""
     rng = np.random.default_rng(seed)
     ((_, cut),) = tasks(1, DEVELOPMENT_SEED + seed)
