@@ -204,6 +204,10 @@ def _export_program(report: Report, run: Path, into: Path, cfg: ExportCfg, commo
             check_file_to_write(each)
         beyond, notes = list[str](), list[str]()
         if stored.summary["config"].get("as_program"):
+            for name in ("law", "robot"):
+                if getattr(cfg, name) is not None:
+                    of = f"a run of a program, whose targets have no {name}"
+                    raise InputError(f"--{name} is not for {of}: leave it out")
             (state,) = read_states(stored.file(STATE)).values()
             if state is None:
                 raise InputError(f"{run} stored no targets to take over")

@@ -1,33 +1,81 @@
-"""`armside program`: a robot's program in RAPID, KRL or URScript, read and described."""
+"""`armside program`: a robot's program in RAPID, KRL or URScript, described, or learned by hand."""
 
+from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from cyclopts import Parameter
 
+from armside.ilc.workbench.compare import RunState, save_states
 from armside.sim.controller.programs import ProgramText, read_program_file, rows_of
 from armside.sim.motion.instructions import MoveL, Wait
-from armside.sim.records.summary import summary
+from armside.sim.recordings.recorded_motion import MotionRecording
+from armside.sim.records.run_folder import RunFolder
+from armside.sim.records.summary import dumps, summary
+from armside.sim.robot_file.find import check_named
 
+from ..cutting.earlier import KEY, STATE, Earlier, FromCfg, started
 from ..shell.console import Report
-from ..shell.errors import checking_input
-from ..shell.options import Common, check_read
+from ..shell.errors import InputError, checking_input
+from ..shell.options import Common, Limits, check_read, options
 
-Action = Annotated[Literal["read"], Parameter(help="Describe the program of a file.")]
+Action = Annotated[
+    Literal["read", "learn"],
+    Parameter(help="Describe the program of a file, or learn its targets from a recorded run."),
+]
 _FILE = ".mod (RAPID), .src with the .dat beside it (KRL), or .script (URScript)."
 File = Annotated[Path, Parameter(help=_FILE, validator=check_read)]
 
 
-def program(action: Action, file: File, /, *, common: Common = Common()) -> None:
-    """Read a robot's program: moves, targets, spacing, zones, speeds, blocks a second.
+@options
+@dataclass(frozen=True, kw_only=True)
+class ProgramCfg:
+    """Options of learn."""
 
-    read: what is not understood (loops, conditions, time in place of speed) is refused with line
-    and column, and nothing is skipped. See docs/programs.md.
+    recording: Path | None = None
+    """Recording of a run of the program: a folder with encoders.* and tracker.* or imu.*, a bag or
+    a run of armside (docs/real.md). It begins at rest before the first contour."""
+    measure: Literal["tracker", "estimate", "motor"] = "tracker"
+    """What is learned from: a laser tracker in the axes of the robot's base; an IMU with encoders;
+    encoders alone."""
+    robot: str = "large"
+    """Robot that ran it: large, irb1400, ur10, irb120, aubo_i5, or a robot file."""
+    payload: float | None = None
+    """Mass of the tool [kg] [default: as in the robot's model]. The controller knows it."""
+
+    def __post_init__(self) -> None:
+        check_named(self.robot)
+        if self.payload is not None:
+            Limits(0.0, 1e4, "kg").check("payload", self.payload)
+
+
+def program(
+    action: Action,
+    file: File,
+    /,
+    *,
+    cfg: ProgramCfg = ProgramCfg(),
+    of: FromCfg = FromCfg(),
+    common: Common = Common(),
+) -> None:
+    """Read a robot's program, or learn its targets from a recording of its run on any robot.
+
+    read: moves, targets, spacing, zones, speeds, blocks a second. What is not understood (loops,
+    conditions, time in place of speed) is refused with line and column, and nothing is skipped.
+    learn: writes the program of the next run, other numbers in it and every other byte as it was,
+    and a state that --from goes on from. FILE is always the program of the first run. See
+    docs/programs.md.
     """
     report = Report(common)
     with checking_input():
-        found = described(read_program_file(file))
+        read = read_program_file(file)
+        if action == "learn":
+            return _learn(report, read, file, cfg, of.start, common)
+        if cfg != ProgramCfg() or of.start is not None:
+            raise InputError("options other than --quiet and --json are of `program learn`")
+        found = described(read)
     outcome = summary("program", {"action": action, "file": file}, common, **found)
     report.kept(outcome, *_lines(found))
     rows = []
@@ -36,6 +84,86 @@ def program(action: Action, file: File, /, *, common: Common = Common()) -> None
         mm = [1e3 * value for value in (*spacing, zone[1], speed[1])]
         rows.append([*row["lines"], row["targets"], *mm, row["blocks_per_second"]])
     report.table("Rows of linear moves [mm], [mm/s]", ROW, rows)
+
+
+def _learn(
+    report: Report,
+    read: ProgramText,
+    file: Path,
+    cfg: ProgramCfg,
+    start: Path | None,
+    common: Common,
+) -> None:
+    from armside.sim.controller.programs.recorded_run import learned_from
+    from armside.sim.recordings import read_motion
+
+    if cfg.recording is None:
+        raise InputError("learn needs --recording: the folder of a recording of the program's run")
+    cfg, common, before = started(start, "program", cfg, common)
+    assert cfg.recording is not None
+    digest = sha256("".join(text.content for text in read.texts).encode("latin-1")).hexdigest()
+    first, state, used = cfg.recording, None, list[str]()
+    last = read_motion(cfg.recording)
+    recordings = last, last
+    if before is not None:
+        first, state = _first_of(before, file, digest), before.state().loop
+        recordings, used = (read_motion(first), last), list(before.run.summary["recordings"])
+        if _digest(recordings[0]) != used[0]:
+            raise InputError(f"{first} is not as it was in the first run, whose recording it was")
+        if _digest(last) in used:
+            k = used.index(_digest(last))
+            raise InputError(
+                f"{cfg.recording} is the recording of run k = {k}: record run {state.k}"
+            )
+    found = learned_from(read, cfg.robot, cfg.measure, recordings, state, cfg.payload)
+    entries = {
+        "status": "done",
+        "file": file,
+        "digest": digest,
+        "first_recording": first.resolve(),
+        "recordings": [*used, _digest(last)],
+        "k": found.state.k - 1,
+        "rms": found.rms,
+        "targets": len(found.offsets),
+        "changed": found.changed,
+        "largest_offset": found.largest_offset,
+        "program": found.texts[0].name,
+        "notes": [*found.notes, *dict.fromkeys(note for each in recordings for note in each.notes)],
+    }
+    outcome = summary("program", cfg, common, **entries)
+    with RunFolder("program", seed=common.seed, out=common.out) as folder:
+        for text in found.texts:
+            (folder / text.name).write_bytes(text.content.encode("latin-1"))
+        save_states(folder / STATE, {KEY: RunState(loop=found.state)})
+        (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
+    report.notes(entries["notes"])
+    report.lines(
+        [
+            f"Run k = {entries['k']}: RMS {1e6 * found.rms:.4g} µm by {cfg.measure}",
+            f"{folder.path / found.texts[0].name}: {found.changed} of {len(found.offsets)} targets "
+            f"changed, largest offset {1e3 * found.largest_offset:.3g} mm",
+        ]
+    )
+    report.results(outcome, folder.path)
+
+
+def _digest(recording: MotionRecording) -> str:
+    hashed = sha256()
+    for stream in (recording.encoders, recording.imu, recording.tracker):
+        for signal in (stream.time, stream.values) if stream else ():
+            hashed.update(np.ascontiguousarray(signal).tobytes())
+    return hashed.hexdigest()
+
+
+def _first_of(before: Earlier[ProgramCfg], file: Path, digest: str) -> Path:
+    """Recording of the first run. Raises InputError for another program, robot or measure."""
+    run = before.run
+    if changed := {"robot", "measure", "payload"} & set(before.changed):
+        raise InputError(f"{run.folder} was learned with another {', '.join(sorted(changed))}")
+    if run.summary["digest"] != digest:
+        first = f"give {run.summary['file']}, as it was in the first run"
+        raise InputError(f"{file} is not the program that {run.folder} began with: {first}")
+    return Path(run.summary["first_recording"])
 
 
 ROW = ["line", "to", "targets", "spacing", "", "", "zone", "speed", "blocks/s"]

@@ -8,6 +8,7 @@ run: the robot comes to rest, and the program starts anew.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -35,6 +36,12 @@ MOST_REFUSALS = 100
 """Reasons that are kept."""
 REST_CYCLES = 500
 """Longest wait for rest."""
+STANDS = 1e-5
+"""Step of the tool in a cycle [m], 2.5 mm/s, below which it keeps its direction. ESTIMATE"""
+ALONG = 1e-3
+"""Sine of the angle between tool and path, below which they are one direction. ESTIMATE"""
+NEWTON = 3
+"""Steps from an offset to motor angles: a millimetre is exact to rounding after two."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,7 +76,8 @@ class VirtualController:
     def __post_init__(self) -> None:
         model, self._number, self._cycles = self.loaded.model, 0, 0
         self._limits = self.limits or GuidanceLimits.of(model, self.cell)
-        self._pose = kinematics.compile(self.cell.robot).pose
+        robot = kinematics.compile(self.cell.robot)
+        self._pose, self._jacobian = robot.pose, robot.jacobian
         # Code that a cycle is the first to call is compiled here: it would take seconds there.
         StreamedRun(self.loaded, None, self.guiding).advance(np.zeros(model.n_axes))
         self._start()
@@ -133,7 +141,9 @@ class VirtualController:
             if answer.values is None:
                 self._leave()
                 return
-            correction = self._allowed(np.deg2rad(answer.values), answer.additive)
+            values = answer.values
+            asked = self._across(1e-3 * values) if answer.of_path else np.deg2rad(values)
+            correction = self._allowed(asked, answer.additive)
         if self.phase is Phase.WAITING:
             if correction is None:
                 return
@@ -173,6 +183,36 @@ class VirtualController:
         if wrong not in self.refusals and len(self.refusals) < MOST_REFUSALS:
             self.refusals.append(wrong)
         return None
+
+    @cached_property
+    def _tangents(self) -> Array:
+        """(N, 3), of the program's path; at rest that of the motion before, or of the first."""
+        position = np.ascontiguousarray(self._pose(self.loaded.reference)[:, :3, 3])
+        step = np.gradient(position, axis=0)
+        size = np.linalg.norm(step, axis=1)
+        moving = np.flatnonzero(size > STANDS)
+        if not len(moving):
+            return np.full_like(step, np.nan)
+        last = np.clip(np.searchsorted(moving, np.arange(len(step)), side="right") - 1, 0, None)
+        return (step / np.maximum(size, STANDS)[:, np.newaxis])[moving[last]]
+
+    def _across(self, offset: Array) -> Array:
+        """Correction (n,) [rad] for an offset (3,) [m] in the frame of the path; NaN where there is
+        none, or where the tool's axis lies along it."""
+        planned, x = self._run.planned, self._tangents[self._run.sample]
+        frame = self._pose(planned)
+        y = np.cross(frame[:3, 2], x)
+        if not (np.linalg.norm(y) > ALONG and np.isfinite(offset).all()):
+            return np.full_like(planned, np.nan)
+        y /= np.linalg.norm(y)
+        target, phi = frame[:3, 3] + offset[1] * y + offset[2] * np.cross(x, y), planned
+        for _ in range(NEWTON):
+            now = self._pose(phi)
+            turn = 0.5 * np.cross(now[:3, :3], frame[:3, :3], axis=0).sum(axis=1)  # of small ones
+            left = np.concatenate([target - now[:3, 3], turn])
+            rows = slice(None) if len(phi) >= 6 else slice(3)  # fewer axes turn as they must
+            phi = phi + np.linalg.lstsq(self._jacobian(phi)[rows], left[rows], rcond=1e-6)[0]
+        return phi - planned
 
     def _leave(self) -> None:
         if self.phase is Phase.GUIDED:

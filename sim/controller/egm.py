@@ -27,7 +27,7 @@ class EgmWire:
     additive = False
 
     def __init__(self) -> None:
-        self._robot, self._sensor, self._error = _messages()
+        self._robot, self._sensor, self._path, self._error = _messages()
         self._sequence = 0
         self.forget()
 
@@ -75,11 +75,7 @@ class EgmWire:
 
     def encode_answer(self, answer: Answer, time: int) -> bytes:
         """EgmSensor with absolute joints; without joints it ends the guidance."""
-        message = self._sensor()
-        self._sequence += 1
-        message.header.seqno = self._sequence % 2**32
-        message.header.tm = time % 2**32
-        message.header.mtype = 3  # MSGTYPE_CORRECTION
+        message = self._header(self._sensor, time, 3)  # MSGTYPE_CORRECTION
         if answer.values is not None:
             message.planned.joints.joints.extend(answer.values[:AXES].tolist())
             message.planned.externalJoints.joints.extend(answer.values[AXES:].tolist())
@@ -92,21 +88,34 @@ class EgmWire:
         for, is held to it: its answer to an earlier message is late.
         """
         message = self._parsed(self._sensor, datagram)
-        if not message.HasField("header"):
-            raise WireError("an EgmSensor has a header")
-        number = message.header.seqno
-        if 0 <= self._heard - number < REORDERED:
+        if not self._is_new(message, to):
             return None
-        self._heard = number
-        if message.header.HasField("tm"):
-            echo = message.header.tm == to.time % 2**32
-            self._echoes = self._echoes or echo
-            if self._echoes and not echo:
-                return None
         values = _joints(message.planned)
         if not len(values) and message.planned.HasField("cartesian"):
             raise WireError("guidance by poses is not served: send joints")
         return Answer(values=values if len(values) else None, additive=False)
+
+    def _is_new(self, message: Any, to: State) -> bool:
+        """The answer is one to this message, and was not there before."""
+        if not message.HasField("header"):
+            raise WireError(f"an {message.DESCRIPTOR.name} has a header")
+        number = message.header.seqno
+        if 0 <= self._heard - number < REORDERED:
+            return False
+        self._heard = number
+        if message.header.HasField("tm"):
+            echo = message.header.tm == to.time % 2**32
+            self._echoes = self._echoes or echo
+            return echo or not self._echoes
+        return True
+
+    def _header(self, kind: Any, time: int, mtype: int) -> Any:
+        message = kind()
+        self._sequence += 1
+        message.header.seqno = self._sequence % 2**32
+        message.header.tm = time % 2**32
+        message.header.mtype = mtype
+        return message
 
     def forget(self) -> None:
         """Another client may begin to count."""
@@ -121,12 +130,40 @@ class EgmWire:
         return message
 
 
+class EgmPathWire(EgmWire):
+    """EGM's path correction: offsets from the path of the program, as EGMMoveL takes them.
+
+    Frame and axes are an ESTIMATE, not verified against ABB's application manual: `Answer.of_path`.
+    An offset is that from the programmed path, and none adds to the last.
+    """
+
+    def encode_answer(self, answer: Answer, time: int) -> bytes:
+        """EgmSensorPathCorr; without values it ends the correction."""
+        message = self._header(self._path, time, 4)  # MSGTYPE_PATH_CORRECTION
+        if answer.values is not None:
+            pos = message.pathCorr.pos
+            pos.x, pos.y, pos.z = answer.values.tolist()
+            message.pathCorr.age = 0
+        return message.SerializeToString()
+
+    def decode_answer(self, datagram: bytes, to: State) -> Answer | None:
+        """Answer in an EgmSensorPathCorr; as of `EgmWire`."""
+        message = self._parsed(self._path, datagram)
+        if not self._is_new(message, to):
+            return None
+        pos, values = message.pathCorr.pos, None
+        if message.HasField("pathCorr"):
+            values = np.array([pos.x, pos.y, pos.z])
+        return Answer(values=values, additive=True, of_path=True)
+
+
 def _joints(part: Any) -> Array:
     return np.array([*part.joints.joints, *part.externalJoints.joints], dtype=np.float64)
 
 
-def _messages() -> tuple[Any, Any, Any]:
-    """EgmRobot, EgmSensor and the error of a parser, from a descriptor pool of their own."""
+def _messages() -> tuple[Any, ...]:
+    """EgmRobot, EgmSensor, EgmSensorPathCorr and the error of a parser, from a descriptor pool of
+    their own."""
     from google.protobuf import descriptor_pb2, descriptor_pool, message, message_factory
 
     described = descriptor_pb2.FileDescriptorSet()
@@ -134,6 +171,6 @@ def _messages() -> tuple[Any, Any, Any]:
     pool = descriptor_pool.DescriptorPool()
     for file in described.file:
         pool.Add(file)
-    found = (pool.FindMessageTypeByName(f"abb.egm.{name}") for name in ("EgmRobot", "EgmSensor"))
-    robot, sensor = map(message_factory.GetMessageClass, found)
-    return robot, sensor, message.DecodeError
+    names = ("EgmRobot", "EgmSensor", "EgmSensorPathCorr")
+    found = (pool.FindMessageTypeByName(f"abb.egm.{name}") for name in names)
+    return *map(message_factory.GetMessageClass, found), message.DecodeError

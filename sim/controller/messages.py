@@ -54,6 +54,10 @@ class Answer:
     """(n,) [deg]; None: the client ends its guidance."""
     additive: bool
     """The values are added to the program; otherwise they are absolute angles."""
+    of_path: bool = False
+    """The values are (3,) [mm], an offset from the program's path in its own frame: x along it, y =
+    z of the tool cross x, and z = x cross y (ESTIMATE, not verified
+    against ABB's manual). Along the path nothing is corrected."""
 
 
 class WireError(ValueError):

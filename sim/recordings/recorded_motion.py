@@ -105,6 +105,10 @@ def check_range(
 SPIKE = 8.0
 """Deviation from the neighbours, in robust standard deviations, from which a sample is wrong.
 Real encoders hold a value for one more cycle of the controller now and then."""
+ROUNDING = 1e-12
+"""Deviation from the neighbours, in standard deviations of the record, of readings that are one."""
+MOVES = 20
+"""Samples that do not repeat their neighbours, below which a record is at rest. ESTIMATE"""
 ROUNDS = 6
 """Repetitions of the search: a spike hides its neighbours."""
 GAP = 5.0
@@ -170,13 +174,29 @@ def _without_spikes(time: Array, values: Array) -> NDArray[np.bool_]:
     for _ in range(ROUNDS):
         off = _deviation(time[rows], values[rows] / scale)
         largest = np.max([np.roll(off, k) for k in range(-2, 3)], axis=0)
-        bad = (off > SPIKE * 1.4826 * np.median(off)) & (off == largest)
+        moves, alone = _beside_rest(values[rows])
+        usual = float(np.median(off[moves])) if moves.sum() >= MOVES else 0.0
+        limit = np.where(alone, ROUNDING, max(SPIKE * 1.4826 * usual, ROUNDING))
+        bad = (off > limit) & (off == largest)
         if not bad.any():
             break
         rows = rows[~bad]
     kept = np.zeros(len(time), dtype=bool)
     kept[rows] = True
     return kept
+
+
+def _beside_rest(values: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Masks of the samples that do not repeat two neighbours on either side, and of those whose
+    neighbours repeat one another: at rest readings are equal, and say nothing of those in motion.
+    """
+    same = (np.diff(values, axis=0) == 0.0).all(axis=1)
+    across = (values[1:-3] == values[3:-1]).all(axis=1)
+    moves, alone = np.ones((2, len(values)), dtype=bool)
+    moves[2:-2] = ~(same[:-3] & same[1:-2] & same[2:-1] & same[3:])
+    alone[:2], alone[-2:] = False, False
+    alone[2:-2] = moves[2:-2] & same[:-3] & across & same[3:]
+    return moves, alone
 
 
 def _deviation(time: Array, values: Array) -> Array:

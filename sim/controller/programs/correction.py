@@ -39,6 +39,8 @@ LARGEST_OFFSET = 5e-3
 """[m]. ESTIMATE: three times what was seen on the large robot."""
 LARGEST_TURN = 0.01
 """Between the orientations of run and program [rad]. ESTIMATE"""
+NOTHING = 5e-7
+"""Offset that is of the least squares and of no run [m]. ESTIMATE: 0.1 um were seen."""
 LONGEST = 200.0
 """[m], of all linear moves of a program."""
 APART = 1.0
@@ -108,6 +110,7 @@ def corrected(program: ProgramText, spans: Sequence[tuple[Array, Array]], R: Arr
     known = np.flatnonzero(weight > SUPPORT * weight.max())
     offset, own = np.zeros((len(points), 3)), N[:, known]
     offset[known] = splu((own.T @ own).tocsc()).solve(own.T @ error)
+    offset[np.linalg.norm(offset, axis=1) < NOTHING] = 0.0
     largest = float(np.linalg.norm(offset, axis=1).max())
     if largest > LARGEST_OFFSET:
         most = f"at most {1e3 * LARGEST_OFFSET:g} mm are allowed"
@@ -134,7 +137,7 @@ def _by_arc_length(programmed: Array, goal: Array) -> tuple[Array, Array]:
     return np.column_stack(columns[:3]), np.column_stack(columns[3:])
 
 
-def _poses(place: Place) -> tuple[Array, Array]:
+def poses_of(place: Place) -> tuple[Array, Array]:
     """Of tool and work object, (4, 4). Raises ProgramError where the file lacks one."""
     for frame in (place.tool, place.base):
         if frame.pose is None:
@@ -144,9 +147,9 @@ def _poses(place: Place) -> tuple[Array, Array]:
     return place.tool.pose, place.base.pose
 
 
-def _in_base(place: Place, points: Array, R: Array) -> Array:
+def tool_in_base(place: Place, points: Array, R: Array) -> Array:
     """Points of TCP0 [m] in base axes, of a tool in its work object."""
-    tool, base = _poses(place)
+    tool, base = poses_of(place)
     return points @ base[:3, :3].T + base[:3, 3] - R @ tool[:3, 3]
 
 
@@ -160,7 +163,7 @@ def _placed_rows(program: ProgramText, R: Array) -> _Placed:
     w = [row.samples() for row in rows]
     each = zip(rows, w, strict=True)
     path = np.concatenate(
-        [_in_base(program.places[row.moves[1]], row.path(at), R) for row, at in each]
+        [tool_in_base(program.places[row.moves[1]], row.path(at), R) for row, at in each]
     )
     index = np.repeat(np.arange(len(rows)), [len(at) for at in w])
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1) + APART * np.diff(index)
@@ -205,10 +208,10 @@ def _basis(
             continue
         aims = [place.aim for place in places if place.aim is not None]
         for place, aim in zip(places, aims, strict=True):
-            _check(place, aim, aims[0], R)
+            check_target(place, aim, aims[0], R)
             if aim.point not in index:
                 index[aim.point] = len(index)
-                turns.append(_poses(place)[1][:3, :3])
+                turns.append(poses_of(place)[1][:3, :3])
         N = row.basis(placed.w[foot[own]]).tocoo()
         columns = np.array([index[aim.point] for aim in aims])
         parts.append((N.data, own[N.coords[0]], columns[N.coords[1]]))
@@ -217,9 +220,9 @@ def _basis(
     return csc_array((data, (rows, columns)), shape=shape), list(index), turns
 
 
-def _check(place: Place, aim: Aim, first: Aim, R: Array) -> None:
+def check_target(place: Place, aim: Aim, first: Aim, R: Array) -> None:
     """Refuse a target whose orientation is not that of the run, or external axes that move."""
-    tool, base = _poses(place)
+    tool, base = poses_of(place)
     turned = base[:3, :3] @ aim.pose[:3, :3] @ tool[:3, :3].T
     angle = float(np.linalg.norm(turned - R)) / np.sqrt(2.0)  # of small ones
     if angle > LARGEST_TURN:
@@ -233,7 +236,7 @@ def _refuse_arcs(program: ProgramText, run: Array, R: Array) -> None:
     """An arc has three points, which cannot take a correction along it."""
     for i, points in arcs_of(program).items():
         place = program.places[i]
-        away = KDTree(run).query(_in_base(place, points, R))[0]
+        away = KDTree(run).query(tool_in_base(place, points, R))[0]
         if np.median(away) < NEAR:
             reason = "an arc cannot take a correction: write it as short linear moves"
             place.text.fail(place.at, reason)

@@ -47,7 +47,7 @@ FORMS: dict[Language, dict[str, str]] = {
         "cut": _MOVE.format("MoveL", "vCut", "zCut"),
         "stop": _MOVE.format("MoveL", "vCut", "fine"),
         "tail": "  ENDPROC\nENDMODULE\n",
-        "pose": "[[{:.3f},{:.3f},{:.3f}],[{:.9f},{:.9f},{:.9f},{:.9f}],confHere,"
+        "pose": "[[{:.4f},{:.4f},{:.4f}],[{:.9f},{:.9f},{:.9f},{:.9f}],confHere,"
         "[9E9,9E9,9E9,9E9,9E9,9E9]]",
     },
     "krl": {
@@ -66,7 +66,7 @@ $APO.CDIS={zone:.3f}""",
         "cut": "LIN @ C_DIS",
         "stop": "LIN @",
         "tail": "END\n",
-        "pose": "{{X {:.3f},Y {:.3f},Z {:.3f},A {:.7f},B {:.7f},C {:.7f}}}",
+        "pose": "{{X {:.4f},Y {:.4f},Z {:.4f},A {:.7f},B {:.7f},C {:.7f}}}",
     },
     "urscript": {
         "head": """# Written by armside: {about}. m, m/s, rad, rotation vector.
@@ -80,7 +80,7 @@ def armside():
         "cut": "  movel(@, a=1.2, v={cut:g}, r={zone:.6f})",
         "stop": "  movel(@, a=1.2, v={cut:g}, r=0)",
         "tail": "end\n",
-        "pose": "p[{:.6f}, {:.6f}, {:.6f}, {:.9f}, {:.9f}, {:.9f}]",
+        "pose": "p[{:.7f}, {:.7f}, {:.7f}, {:.9f}, {:.9f}, {:.9f}]",
     },
 }
 """Lines of each language; @ is a pose."""

@@ -17,8 +17,9 @@ from .scanner import Number, Text
 Language = Literal["rapid", "krl", "urscript"]
 UNIT = {"rapid": 1e-3, "krl": 1e-3, "urscript": 1.0}
 """Of lengths [m]."""
-DECIMALS = {"rapid": 3, "krl": 3, "urscript": 6}
-"""Least decimals of a length that is written: 1 um."""
+DECIMALS = {"rapid": 4, "krl": 4, "urscript": 7}
+"""Least decimals of a length that is written: 0.1 um, as single precision has it at 1 m. With 1 um
+tools were off by 5 um."""
 LARGEST_POSITION = 100.0
 """[m]."""
 Point = tuple[Number, ...]

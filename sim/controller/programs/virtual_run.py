@@ -16,10 +16,15 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 from armside.arrays import Array
+from armside.kinematics import UnreachableError
+from armside.kinematics.inverse.closed_form import JointRangeError
 
 from ...laser.experiment import CuttingPlant, Experiment, Pass
+from ...laser.joint_bounds import out_of_reach
+from ...motion.path import Plane
 from ...motion.timing import Timing
 from ...motion.tool_motion import joint_reference
+from ...part.arcs import place
 from ...part.motion import PartMotion
 from ...robot.statics import Statics, anticipated_shift, smoothed
 from ...robot.virtual_robot import LOG_PERIOD, VirtualRobot
@@ -81,6 +86,23 @@ class Stretch:
     frame: Array = field(repr=False)
     """(M, 2, 3): directions that a target moves in, across the path and along the normal."""
 
+    @classmethod
+    def of(
+        cls,
+        row: Row,
+        point: Callable[[Array], Array],
+        length: float,
+        timing: Timing,
+        start: float,
+        plane: Plane,
+    ) -> "Stretch":
+        """With targets that move across the path, in the plane and out of it."""
+        normal = plane.axes[:, 2]
+        across = np.cross(normal, np.gradient(row.targets, axis=0))
+        across /= np.linalg.norm(across, axis=1, keepdims=True)
+        frame = np.stack([across, np.broadcast_to(normal, across.shape)], axis=1)
+        return cls(row, point, length, timing, start, frame)
+
     def arc_length(self, time: Array) -> Array:
         """Of the contour [m] at times of the plan [s]."""
         return np.clip(self.timing.at(time - self.start)[0], 0.0, self.length)
@@ -121,25 +143,20 @@ class PlannedProgram:
     ) -> "PlannedProgram":
         """With targets at most `spacing` [m] apart."""
         motion = experiment.motion
-        normal = motion.plane.axes[:, 2]
-
-        def stretch(
-            point: Callable[[Array], Array], length: float, timing: Timing, start: float
-        ) -> Stretch:
-            row, _ = fitted(point, length, spacing)
-            across = np.cross(normal, np.gradient(row.targets, axis=0))
-            across /= np.linalg.norm(across, axis=1, keepdims=True)
-            frame = np.stack([across, np.broadcast_to(normal, across.shape)], axis=1)
-            return Stretch(row, point, length, timing, start, frame)
-
         if isinstance(motion, PartMotion):
-            found = [
-                stretch(contour_in_base(motion, cut), cut.path.length, cut.timing, cut.start)
+            each = [
+                (contour_in_base(motion, cut), cut.path.length, cut.timing, cut.start)
                 for cut in motion.cuts
             ]
         else:
             path = motion.path
-            found = [stretch(path.position, path.length, motion.timing, motion.rest_before)]
+            each = [(path.position, path.length, motion.timing, motion.rest_before)]
+        found = [
+            Stretch.of(
+                fitted(point, length, spacing)[0], point, length, timing, start, motion.plane
+            )
+            for point, length, timing, start in each
+        ]
         return cls(experiment=experiment, stretches=tuple(found), apart=apart)
 
     @cached_property
@@ -208,11 +225,15 @@ class PlannedProgram:
         moved = _Positions(position, np.tile(motion.quaternion[0], (n, 1)))
         robot, limits, free = cut.cell.robot, cut.cell.limits, cut.cell.free_rotation
         start = self.experiment.loaded.reference[0]
-        phi = joint_reference(moved, robot, limits, start=start, free_rotation=free)
-        shift = smoothed(anticipated_shift(self.controller, phi, LOG_PERIOD))
-        reference = joint_reference(
-            moved, robot, limits, start=phi[0], shift=shift, free_rotation=free
-        )
+        try:
+            phi = joint_reference(moved, robot, limits, start=start, free_rotation=free)
+            shift = smoothed(anticipated_shift(self.controller, phi, LOG_PERIOD))
+            reference = joint_reference(
+                moved, robot, limits, start=phi[0], shift=shift, free_rotation=free
+            )
+        except (UnreachableError, JointRangeError) as error:
+            planned = motion.position_at(np.interp(time[error.index], points, at))
+            raise out_of_reach(error, where(motion, planned), robot) from error
         return ProgramRun(reference=reference, run_time=run_time, plan_time=plan)
 
     def _path(self, stretch: Stretch, row: Row) -> "_Path":
@@ -233,6 +254,13 @@ class PlannedProgram:
         time = lengths / np.minimum(speed, most * np.sqrt(lengths))
         slower = lengths / np.diff(knots) * (np.maximum(time, how.block_time) * speed / lengths)
         return _Path(stretch, stretch.length / was[-1] * knots, ends, slower, how.dip, s, path)
+
+
+def where(motion: Any, position: Array) -> str:
+    """A place in the drawing, or in base axes where there is none."""
+    if isinstance(motion, PartMotion):
+        return place(motion.plane.from_base(position)[:2] + np.array(motion.middle))
+    return "({:.1f}, {:.1f}, {:.1f}) mm".format(*(1e3 * position))
 
 
 @dataclass(frozen=True, eq=False)

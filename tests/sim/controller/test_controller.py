@@ -5,7 +5,10 @@ import re
 import numpy as np
 import pytest
 
+from armside import kinematics
 from armside.sim.controller import Answer, GuidanceLimits, Hold, Phase, VirtualController
+from armside.sim.laser.experiment import prepare
+from armside.sim.laser.specification import Cut
 
 from .robots import CELL, MODEL, START, guided, path, programmed
 
@@ -148,3 +151,34 @@ def test_a_program_is_waited_for_and_runs_to_its_end():
 def test_a_start_outside_the_robot_is_refused(bad, said):
     with pytest.raises(ValueError, match=said):
         VirtualController.standing(MODEL, CELL, Hold(start=bad))
+
+
+def test_a_path_correction_moves_the_tool_across_the_path_in_its_own_frame():
+    """1.5 mm along z of the tool cross the tangent of a circle, -1 mm along the third axis, nothing
+    along the path, whatever is asked there: as commanded to 20 um, which the tangent of a path is
+    off that anticipates its deflection, and at the tool but for a fifth, which friction holds."""
+    experiment = prepare(Cut(radius=0.02), seed=0)
+    controller = VirtualController(experiment.loaded, experiment.cut.cell)
+    ended, plain = ends_of(controller), experiment.loaded.run()
+    for k in range(len(plain.time)):
+        share = 0.5 - 0.5 * np.cos(np.pi * min(1.0, k / 100))
+        offset = share * np.array([7.0, 1.5, -1.0])
+        controller.cycle(Answer(values=offset, additive=True, of_path=True))
+    ((run, missed, _),) = ended
+    assert (missed, controller.refusals) == (0, [])
+    on, tool_pose = experiment.motion.on_contour, experiment.cut.tool_pose
+    out = (experiment.motion.position - np.array(tool_pose.position))[on]
+    x = np.cross([0.0, 0.0, 1.0], out)
+    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    y = np.cross(tool_pose.tool_axis, x)
+    y /= np.linalg.norm(y, axis=1, keepdims=True)
+    frame, asked = np.stack([x, y, np.cross(x, y)], axis=1), np.array([0.0, 1.5, -1.0])
+    pose = kinematics.compile(experiment.cut.cell.robot).pose
+    T, before = (pose(run.reference + u) for u in (run.correction, 0.0 * run.correction))
+    commanded = np.einsum("nij,nj->ni", frame, 1e3 * (T - before)[on, :3, 3])
+    assert np.abs(commanded - asked).max() < 0.02
+    assert np.abs((T - before)[:, :3, :3]).max() < 1e-6
+    step = round(len(plain.truth.time) / len(plain.time))
+    tools = [each.truth.tool_position[::step][: len(on)][on] for each in (run, plain)]
+    moved = np.einsum("nij,nj->ni", frame, 1e3 * (tools[0] - tools[1]))
+    assert np.sqrt(np.mean(np.sum((moved - asked) ** 2, axis=1))) < 0.2 * np.linalg.norm(asked)

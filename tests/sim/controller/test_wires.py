@@ -1,5 +1,6 @@
 """Messages of EGM and RSI: round trips to the last bit, and what is no message."""
 
+import struct
 import xml.etree.ElementTree as ET
 from dataclasses import FrozenInstanceError
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 
 from armside.sim.controller import Answer, Phase, State
-from armside.sim.controller.egm import EgmWire
+from armside.sim.controller.egm import EgmPathWire, EgmWire
 from armside.sim.controller.messages import WireError
 from armside.sim.controller.rsi import RsiWire
 
@@ -150,3 +151,22 @@ def test_guidance_by_poses_is_refused_by_name():
     place.x = place.y = place.z = 1.0
     with pytest.raises(WireError, match="send joints"):
         EgmWire().decode_answer(message.SerializeToString(), state())
+
+
+def test_a_path_correction_is_abbs_message_byte_for_byte():
+    """Tags and wire types by hand, of egm.proto: header 1 (seqno 1, tm 2, mtype 3), pathCorr 2 (pos
+    1 of three doubles, age 2)."""
+    to, offset = state(time=4000), np.array([0.0, 1.5, -0.25])
+    answer = Answer(values=offset, additive=True, of_path=True)
+    double = [bytes([8 * field + 1]) + struct.pack("<d", x) for field, x in enumerate(offset, 1)]
+    pos = b"".join(double)
+    header = b"\x0a\x07" + b"\x08\x01" + b"\x10\xa0\x1f" + b"\x18\x04"
+    corrected = b"\x0a" + bytes([len(pos)]) + pos + b"\x10\x00"
+    sent = EgmPathWire().encode_answer(answer, to.time)
+    assert sent == header + b"\x12" + bytes([len(corrected)]) + corrected
+    wire = EgmPathWire()
+    got = wire.decode_answer(sent, to)
+    np.testing.assert_array_equal(got.values, offset)
+    assert (got.of_path, wire.decode_answer(sent, to)) == (True, None)
+    end = EgmPathWire().encode_answer(Answer(values=None, additive=True), to.time)
+    assert EgmPathWire().decode_answer(end, to).values is None

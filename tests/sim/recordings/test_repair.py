@@ -84,3 +84,25 @@ def test_a_folder_of_tables_is_read(tmp_path):
         read_motion(tmp_path)
     with pytest.raises(ValueError, match="no recording of a known form"):
         read_motion(tmp_path.parent)
+
+
+def test_a_rest_whose_readings_repeat_makes_no_motion_a_fault():
+    """Most of the record is at rest, where a reading is exactly the one before."""
+    time = np.r_[TIME[0] - (TIME[1] - TIME[0]) * np.arange(3 * len(TIME), 0, -1), TIME]
+    values = np.maximum(time - TIME[0], 0.0)[:, None] ** 4
+    noisy = values + np.random.default_rng(0).normal(0.0, 1e-6, values.shape) * (values > 0.0)
+    stream, notes = repaired("encoders", time, noisy)
+    assert (len(stream.time), notes) == (len(time), ())
+
+
+@pytest.mark.parametrize("begin", [np.inf, 9.5])
+@pytest.mark.parametrize("spikes", [[300], [100, 300, 500, 700, 900], [975]])
+def test_a_spike_in_a_record_at_rest_is_dropped(begin, spikes):
+    """Still but for a short, slow motion of encoders with noise."""
+    time = 0.01 * np.arange(1000)
+    noise = np.random.default_rng(0).normal(0.0, 1e-5, 1000)
+    values = np.where(time > begin, np.maximum(time - min(begin, 10.0), 0.0) ** 3 + noise, 0.0)
+    values[spikes] += 0.5
+    stream, notes = repaired("encoders", time, values[:, None])
+    np.testing.assert_array_equal(stream.time, np.delete(time, spikes))
+    assert f"{len(spikes)} off their neighbours" in notes[0]

@@ -16,6 +16,7 @@ from armside.sim.controller.programs import (
 from armside.sim.controller.programs.new_program import ENDINGS, fitted
 from armside.sim.controller.programs.scanner import Text
 from armside.sim.controller.programs.tool_path import Row, arc, arcs_of
+from armside.sim.controller.programs.virtual_run import where
 from armside.sim.motion.instructions import ProgramError
 from armside.sim.motion.path import Plane
 from armside.sim.motion.timing import PathLimits, rest_to_rest
@@ -115,6 +116,11 @@ def test_a_new_program_reads_back_as_its_contours(language):
     assert new.text.content.isascii()
 
 
+def test_a_place_of_a_part_is_named_in_its_drawing():
+    made = motion()
+    assert where(made, made.to_base(np.array([0.03, 0.0125]))) == "(30, 12.5) mm"
+
+
 def test_automatic_spacing_follows_speed_and_radius():
     assert automatic_spacing(motion(0.04), 10.0) == pytest.approx(0.002)
     assert automatic_spacing(motion(0.4), 10.0) == pytest.approx(0.0025)
@@ -127,19 +133,19 @@ WORK = (np.array([0.8, -0.1, 0.5]), Rotation.from_euler("Z", 1.2))
 
 def pose_of(language, at, turn):
     if language == "rapid":
-        form, turned = "[[{:.3f},{:.3f},{:.3f}],[{:.12f},{:.12f},{:.12f},{:.12f}]]", turn.as_quat
+        form, turned = "[[{:.4f},{:.4f},{:.4f}],[{:.12f},{:.12f},{:.12f},{:.12f}]]", turn.as_quat
         return form.format(*(1e3 * at), *turned(scalar_first=True))
     if language == "krl":
-        form = "{{X {:.3f},Y {:.3f},Z {:.3f},A {:.10f},B {:.10f},C {:.10f}}}"
+        form = "{{X {:.4f},Y {:.4f},Z {:.4f},A {:.10f},B {:.10f},C {:.10f}}}"
         return form.format(*(1e3 * at), *turn.as_euler("ZYX", degrees=True))
-    form = "p[{:.6f}, {:.6f}, {:.6f}, {:.11f}, {:.11f}, {:.11f}]"
+    form = "p[{:.7f}, {:.7f}, {:.7f}, {:.11f}, {:.11f}, {:.11f}]"
     return form.format(*at, *turn.as_rotvec())
 
 
-def text_of(language, targets, zone=0.001, change=None):
+def text_of(language, targets, zone=0.001, change=None, turned=TURN):
     """A program for targets of TCP0 in base axes (M, 3), with a tool in a work object."""
-    turn = WORK[1].inv() * TURN * TOOL[1]
-    at = WORK[1].inv().apply(targets + TURN.apply(TOOL[0]) - WORK[0])
+    turn = WORK[1].inv() * turned * TOOL[1]
+    at = WORK[1].inv().apply(targets + turned.apply(TOOL[0]) - WORK[0])
     poses = [pose_of(language, p, turn) for p in at]
     tool, work = pose_of(language, *TOOL), pose_of(language, *WORK)
     if language == "rapid":
