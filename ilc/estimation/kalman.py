@@ -7,6 +7,7 @@ state-space model" (1989), which inverts no covariance of a state: states may be
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 from warnings import warn
 
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array, read_only
 
+from ..models.system import Complex
 from ..records import as_measured, records
 from .process import Process, steady_state_covariance
 
@@ -48,10 +50,14 @@ class Smoothed(Filtered):
 class SteadyStateFilter:
     """Kalman filter with the steady-state gain: one recursion, and the cheapest set-up."""
 
-    def __init__(self, process: Process) -> None:
-        """Raises RuntimeError if there is no steady state."""
+    def __init__(self, process: Process, covariance: Array | None = None) -> None:
+        """covariance: (n, n) of the one-step prediction error, where it is known.
+
+        Raises RuntimeError if there is no steady state.
+        """
         self.process = process
-        self.predicted_covariance = P = steady_state_covariance(process)
+        P = steady_state_covariance(process) if covariance is None else covariance
+        self.predicted_covariance = P
         S = process.C @ P @ process.C.T + process.R
         self.innovation_covariance = 0.5 * (S + S.T)
         self.gain: Array = np.ascontiguousarray(
@@ -67,6 +73,34 @@ class SteadyStateFilter:
         x = np.zeros(len(self.process.A)) if start is None else start.copy()
         e = _predict(self.process.A, self.process.C, self.gain, self.innovation_covariance, y, x)
         return Filtered(e, self.innovation_covariance[None])
+
+    def beside(self, process: Process) -> "SteadyStateFilter":
+        """Filter of a process that differs little, as in a difference quotient.
+
+        One step of Newton's method for the Riccati equation, which leaves the square of the
+        change: P + X with X - F X F^T what P leaves of the equation, F of this filter.
+        """
+        P, A, C, units = self.predicted_covariance, process.A, process.C, self._units
+        gain = np.linalg.solve(C @ P @ C.T + process.R, C @ P)
+        left = A @ (P - P @ C.T @ gain) @ A.T + process.Q - P
+        values, vectors, inverse = self._modes
+        X = inverse @ (left / np.outer(units, units)) @ inverse.T
+        X = (vectors @ (X / (1.0 - np.outer(values, values))) @ vectors.T).real
+        return SteadyStateFilter(process, P + X * np.outer(units, units))
+
+    @cached_property
+    def _units(self) -> Array:
+        """(n,), of the states."""
+        sd = np.sqrt(np.diag(self.predicted_covariance))
+        return np.where(sd > 0.0, sd, 1.0)
+
+    @cached_property
+    def _modes(self) -> tuple[Complex, Complex, Complex]:
+        """Eigenvalues (n,) of the error's recursion in those units, eigenvectors, their inverse."""
+        one, units = self.process, self._units
+        F = (one.A - one.A @ self.gain @ one.C) * units / units[:, None]
+        values, vectors = np.linalg.eig(F.astype(np.complex128))
+        return values, vectors, np.linalg.inv(vectors)
 
     @property
     def whitening(self) -> tuple[Array, Array]:

@@ -183,3 +183,16 @@ def test_a_process_refuses_values_that_do_not_fit(name):
     fields = {"A": np.eye(2), "Q": np.eye(2), "C": C, "R": R}
     with pytest.raises(ValueError, match=f"{name} must have shape"):
         Process(**fields | {name: np.eye(3)})
+
+
+@pytest.mark.parametrize("change", [1e-3, -2e-2])
+def test_a_filter_beside_another_is_that_of_its_process_to_second_order(process, change):
+    """A drive of the noise, the dynamics and the reading that changes a little each."""
+    near = SteadyStateFilter(process)
+    factor = 1.0 + change
+    other = Process(A=process.A * (1.0 - 0.1 * change), Q=process.Q * factor, C=C, R=R / factor)
+    exact, found = SteadyStateFilter(other), near.beside(other)
+    moved = np.abs(exact.gain - near.gain).max() / np.abs(near.gain).max()
+    assert moved > 0.1 * abs(change)  # the one there was is no answer
+    rest = np.abs(found.gain - exact.gain).max() / np.abs(near.gain).max()
+    assert rest < 5.0 * change**2
