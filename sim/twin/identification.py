@@ -65,10 +65,15 @@ class Compared:
         return float(np.sqrt(np.mean(np.sum(left**2, axis=1))))
 
 
-def compared(against: Against, theta: Array, columns: Columns | None) -> Compared:
-    """A cut against the twin of theta, with sensitivities from before, or anew if None."""
+def compared(
+    against: Against, theta: Array, columns: Columns | None, tool: bool = True
+) -> Compared:
+    """A cut against the twin of theta, with sensitivities from before, or anew if None.
+
+    tool: as of `Against.linearised`.
+    """
     if columns is None:
-        residuals, columns = against.linearised(theta)
+        residuals, columns = against.linearised(theta, tool=tool)
     else:
         residuals = against.residuals(theta)
     on, m = residuals.moving, columns.tool.shape[-1]
@@ -127,7 +132,7 @@ class Identification:
 
     steps: int = 6
     """Of Gauss-Newton."""
-    linearised: tuple[int, ...] = (0, 1, 3, 5)
+    linearised: tuple[int, ...] = (0, 1, 3)
     """Steps that compute sensitivities anew; the others keep the last."""
 
 
@@ -176,8 +181,9 @@ def identify(
         for step in range(cfg.steps):
             anew = step in cfg.linearised
             known = [None] * len(each) if anew else [cut.columns for cut in found]
+            tool = step > 0 or 1 not in cfg.linearised
             found = list[Compared]()
-            for cut in pool.map(compared, each, repeat(solving.theta), known):
+            for cut in pool.map(compared, each, repeat(solving.theta), known, repeat(tool)):
                 found.append(cut)
                 progress()
             groups, last = together(found), solving
