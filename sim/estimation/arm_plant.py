@@ -104,6 +104,8 @@ class PathPlants:
     """(N, S), of each plant at each sample; they fade from place to place."""
     lowest_mode: float = 0.0
     """[Hz], of these arms with their motors held, where the springs were identified; else 0."""
+    excitation: float = 0.0
+    """As of `RigidMotion`, where the springs were identified; else 0."""
 
     @property
     def middle(self) -> ArmPlant:
@@ -124,7 +126,8 @@ def plants_along(
     plants = tuple(ArmPlant(robot=robot, arm=arm, period=LOG_PERIOD) for arm in arms)
     mode = min(float(arm.locked_modes()[0]) for arm in arms) if identified else 0.0
     weights = fading(motion.time[samples], motion.time)
-    return PathPlants(plants=plants, weights=weights, lowest_mode=mode)
+    excitation = motion.excitation(springs) if identified else 0.0
+    return PathPlants(plants=plants, weights=weights, lowest_mode=mode, excitation=excitation)
 
 
 def fading(centres: Array, time: Array) -> Array:

@@ -33,7 +33,7 @@ _LARGEST_INNOVATION = 1.7
 robot's own model 1.0 to 1.4 were seen, with that of another posture 1.2 to 1.9. ESTIMATE."""
 _UNLIKELY = 3.0
 """Standard deviations of the prior by which the IMU's mounting, or what the arm's model leaves
-unexplained, may be off before the model is rejected."""
+unexplained in proportion to its excitation, may be off before the model is rejected."""
 
 
 class OnFault(Enum):
@@ -113,14 +113,15 @@ def commission(
             motion.beginning(EXCERPT),
             np.searchsorted(readings.time - readings.time[0], EXCERPT),
         )
+        excitation = max(early.excitation(nominal), 1.0)
         readings = replace(readings, **{name: each[:n] for name, each in vars(readings).items()})
         if known is not None:
             found, white = synchronised(early, known, readings, imu, cfg.prior)
-            _check_model(found, white, cfg.prior)
+            _check_model(found, white, cfg.prior, excitation)
         elif cfg.identified:
             identified = identify(early, nominal, readings, imu, cfg.prior)
             found = identified.parameters
-            _check_model(found, identified.whiteness, cfg.prior)
+            _check_model(found, identified.whiteness, cfg.prior, excitation)
     except ImuError as problem:
         if cfg.on_fault is OnFault.REFUSE:
             raise
@@ -144,12 +145,14 @@ def _check_gravity(samples: ImuSamples, up: Array, prior: SpringPrior) -> None:
         raise ImuError(Fault.MODEL, f"at rest gravity is {np.rad2deg(angle):.1f} deg off")
 
 
-def _check_model(found: ArmParameters, white: Whiteness, prior: SpringPrior) -> None:
+def _check_model(
+    found: ArmParameters, white: Whiteness, prior: SpringPrior, excitation: float
+) -> None:
     """Raise ImuError if the springs do not make the model explain the readings."""
     worst = float(white.rms.max())
     if worst > _LARGEST_INNOVATION:
         raise ImuError(Fault.MODEL, f"innovations are {worst:.1f} times what the filter expects")
-    more = found.process_noise / FRACTION
+    more = found.process_noise / FRACTION / excitation
     if more > np.exp(_UNLIKELY * prior.process_noise):
         unexplained = f"the arm's springs leave {more:.0f} times as much unexplained as expected"
         raise ImuError(Fault.MODEL, f"{unexplained}; identify them from a slower cut")

@@ -14,6 +14,7 @@ from armside.ilc.filters import ZeroPhaseButterworth
 
 from ..robot.linkage import FreeMotion
 from ..robot.servo import interpolate
+from .arm_filter import TWIST
 from .elasticity import Elasticity
 from .linearised_arm import LinearisedArm, forward, imu_kinematics, matrices
 from .nominal import NominalArm
@@ -86,6 +87,11 @@ class RigidMotion:
     def _postures(self) -> dict[int, tuple[Array, Array]]:
         """Angles and the tool's Jacobian, by segment; no spring changes them."""
         return {}
+
+    def excitation(self, springs: Elasticity) -> float:
+        """Largest RMS twist of a gear by the motion, over `TWIST`."""
+        twist = (self.load - self.load[0]) / springs.stiffness
+        return float(np.sqrt(np.square(twist[:, springs.axes]).mean(axis=0)).max()) / TWIST
 
     def beginning(self, seconds: float) -> "RigidMotion":
         """Its first seconds."""
