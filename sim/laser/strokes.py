@@ -24,10 +24,13 @@ from ..notes import Cause, Note
 from ..part.arcs import Chain
 from ..part.curve import Kind
 from ..part.motion import CutLeg, PartMotion, samples_until
+from ..robot.drives import FRICTION_SPEED
+from ..robot.servo import interpolate
 from ..robot.statics import Statics
 from ..robot.virtual_robot import LOG_PERIOD
 from ..robot_file.find import find_cell
 from .experiment import prepare
+from .joint_bounds import DRIVE
 from .loop import learn
 from .part_cut import JointSpeedError, reference, timed
 from .specification import Ended, Row, Setup, Timed
@@ -35,10 +38,12 @@ from .specification import Ended, Row, Setup, Timed
 ROBOTS = assets.LARGE_ROBOT_XML.parent
 REST_BEFORE, REST_AFTER = 0.5, 1.0
 """[s], as in the record of the paper: from 1.5 to 5.5 s, with strokes from 2.0 s on."""
-PERIOD = 0.75
-"""[s], from the beginning of a stroke to that of the next."""
+PERIOD, SETTLING = 0.75, 0.45
+"""[s], from the beginning of a stroke to that of the next; and at least from its end, where joints
+or drives make it slower: as much as the paper's longest stroke, of 0.3 s, leaves."""
 SLOWER = 0.9
-"""Factor on the speed, as often as a joint would be too fast. ESTIMATE"""
+"""Factor on the speed, as often as a joint would be too fast, or on the pace of the whole motion,
+as often as a drive would be too weak. ESTIMATE"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,25 +65,34 @@ class Strokes(Setup[PartMotion]):
                 raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")
 
     def planned(self, nominal: Statics) -> tuple[PartMotion, Array]:
-        speed = self.speed
+        speed, limits = self.speed, self.limits
+        alone = rest_to_rest(self.side, speed, limits).duration
+        if alone > PERIOD:
+            longest = f"the time of {PERIOD:g} s from one to the next"
+            raise ValueError(f"a stroke takes {alone:.3g} s, more than {longest}")
         while True:
-            motion = self._motion(speed)
-            with suppress(JointSpeedError):
-                return motion, reference(self, nominal, motion)
+            motion = self._motion(speed, limits)
+            try:
+                asked = reference(self, nominal, motion)
+            except JointSpeedError:
+                speed *= SLOWER
+                continue
+            if torque_used(nominal, asked) <= DRIVE:
+                return motion, asked
             speed *= SLOWER
+            acceleration, jerk = SLOWER**2 * limits.acceleration, SLOWER**3 * limits.jerk
+            limits = PathLimits(acceleration=acceleration, jerk=jerk)
 
-    def _motion(self, speed: float) -> PartMotion:
+    def _motion(self, speed: float, limits: PathLimits) -> PartMotion:
         half = 0.5 * self.side
         corners = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]], dtype=np.float64)
-        timing = rest_to_rest(self.side, speed, self.limits)
-        if timing.duration > PERIOD:
-            longest = f"the time of {PERIOD:g} s from one to the next"
-            raise ValueError(f"a stroke takes {timing.duration:.3g} s, more than {longest}")
+        timing = rest_to_rest(self.side, speed, limits)
+        period = max(PERIOD, timing.duration + SETTLING)
         legs = tuple(
             CutLeg(
                 path=Chain(np.array(ends), np.zeros(1)),
                 timing=timing,
-                start=REST_BEFORE + PERIOD * i,
+                start=REST_BEFORE + period * i,
                 name=f"stroke {i + 1}",
                 kind=Kind.OPEN,
                 lead=0.0,
@@ -121,11 +135,28 @@ class Strokes(Setup[PartMotion]):
         if reached < 0.999 * self.speed:
             text = f"the speed is lowered from {1e3 * self.speed:.4g} to {1e3 * reached:.4g} mm/s"
             yield Note(cause=Cause.SPEED, text=text)
+        jerk = motion.legs[0].timing.state[:, 3].max()
+        if (pace := float(np.cbrt(jerk / self.limits.jerk))) < 0.999:
+            asked, left = self.limits.acceleration, pace**2 * self.limits.acceleration
+            text = f"the acceleration is lowered from {asked:.4g} to {left:.4g} m/s^2"
+            text += f": drives would need more than {100 * DRIVE:g} % of their torque"
+            yield Note(cause=Cause.ACCELERATION, text=text)
 
     def entries(
         self, motion: PartMotion, contours: Sequence[Sequence[Row]], ends: Sequence[Ended]
     ) -> Row:
         return {"reached_speed": motion.cuts[0].reached_speed}
+
+
+def torque_used(controller: Statics, phi: Array) -> float:
+    """Largest fraction of a drive's torque limit along a reference (N, n) [rad] of the rigid arm,
+    friction included."""
+    drives, (_, speed, acceleration) = controller.model.drives, interpolate(phi, LOG_PERIOD, 1)
+    gear, moving = np.abs(drives.gear), np.minimum(np.abs(speed) / FRICTION_SPEED, 1.0)
+    friction = gear * drives.coulomb_friction * moving
+    friction += gear**2 * drives.viscous_friction * np.abs(speed)
+    torque = controller.motor_torque(controller.rigid_forces(phi, speed, acceleration))
+    return float(((np.abs(torque) + friction) / (gear * drives.torque_limit)).max())
 
 
 @dataclass(frozen=True)
