@@ -100,7 +100,8 @@ class SteadyStateFilter:
         one, units = self.process, self._units
         F = (one.A - one.A @ self.gain @ one.C) * units / units[:, None]
         values, vectors = np.linalg.eig(F.astype(np.complex128))
-        return values, vectors, np.linalg.inv(vectors)
+        inverse: Complex = np.asarray(np.linalg.inv(vectors), dtype=np.complex128)
+        return values, vectors, inverse
 
     @property
     def whitening(self) -> tuple[Array, Array]:

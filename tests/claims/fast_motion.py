@@ -11,6 +11,7 @@ motion, on the same springs.
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from armside.sim.estimation.tool_law import ToolLaw, pass_band
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.comparison import COMPARED, Case
 from armside.sim.laser.experiment import prepare
-from armside.sim.laser.specification import Cut, Setup
+from armside.sim.laser.specification import Cut
 from armside.sim.laser.strokes import ROBOTS, Strokes
 from armside.sim.motion.contour import Circle, square
 from armside.sim.motion.timing import PathLimits
@@ -62,7 +63,7 @@ WORST, MEDIAN = 0.5, 0.2
 """Of the path error at k = 0, after five updates."""
 
 
-def drawn(seed: int, arm: str) -> tuple[Setup, str, float]:
+def drawn(seed: int, arm: str) -> tuple[Any, str, float]:
     """A task, its name, and the speed that its plan reaches [m/s]."""
     rng = np.random.default_rng([FIRST + seed, list(ARMS).index(arm)])
     place = seed % len(POSES)
@@ -73,7 +74,7 @@ def drawn(seed: int, arm: str) -> tuple[Setup, str, float]:
         kind, size = rng.choice(("circle", "square", "strokes")), rng.uniform(0.08, 0.16)
         about = {"robot": robot, "pose": pose, "individual": FIRST + seed}
         about["across_tool"] = arm == "m16ib_like.toml"  # the plane of its paper
-        task: Setup
+        task: Any
         if kind == "strokes":
             limits = PathLimits(acceleration=acceleration, jerk=400.0)
             task = Strokes(side=size, speed=speed, limits=limits, imu=ImuCfg(), **about)
@@ -82,7 +83,7 @@ def drawn(seed: int, arm: str) -> tuple[Setup, str, float]:
             limits = PathLimits(acceleration=acceleration)
             task = Cut(contour=contour, speed=speed, limits=limits, imu=ImuCfg(), **about)
         try:
-            motion = prepare(task, seed=FIRST + seed).motion
+            motion: Any = prepare(task, seed=FIRST + seed).motion
         except ValueError:  # out of reach
             continue
         planned = motion.cuts[0] if kind == "strokes" else motion
@@ -112,6 +113,7 @@ def run(place: tuple[int, str], tally: Tally) -> Iterator[Row]:
             | {"_refused": str(refusal)}
         )
         return
+    assert learned.output is not None
     known = learned.output.known
     more = known.parameters.process_noise / FRACTION
     before = np.nan  # refused

@@ -99,3 +99,11 @@ def test_bounds_of_torque_parameters_leave_three_standard_deviations_to_either_s
     assert 3.0 * block.prior <= min(block.upper, -block.lower)
     if block is not MASS and np.isfinite(block.upper):
         assert block.prior == OF_FRICTION[0].prior
+
+
+def test_the_first_step_simulates_what_torque_depends_on_alone(around):
+    """Its solution reads no sensitivity of the tool."""
+    against, theta, _, whole = around
+    _, of_torque = against.linearised(theta, tool=False)
+    np.testing.assert_array_equal(of_torque.torque, whole.torque)
+    assert not of_torque.tool.any()
