@@ -13,6 +13,7 @@ from armside.arrays import Array
 from armside.ilc.filters import ZeroPhaseButterworth
 
 from ..robot.linkage import FreeMotion
+from ..robot.model import RobotModel
 from ..robot.servo import interpolate
 from .arm_filter import TWIST
 from .elasticity import Elasticity
@@ -88,10 +89,16 @@ class RigidMotion:
         """Angles and the tool's Jacobian, by segment; no spring changes them."""
         return {}
 
-    def excitation(self, springs: Elasticity) -> float:
-        """Largest RMS twist of a gear by the motion, over `TWIST`."""
-        twist = (self.load - self.load[0]) / springs.stiffness
-        return float(np.sqrt(np.square(twist[:, springs.axes]).mean(axis=0)).max()) / TWIST
+    def excitation(self, robot: RobotModel) -> float:
+        """Largest RMS twist of a gear by inertia, over `TWIST`, on the springs of the robot's file.
+
+        Gravity is left out: along a large path it changes however slow the motion is.
+        """
+        q = _posture(self.arm, self.phi)
+        still, _ = inverse_dynamics(self.arm.motion, q, 0.0 * q, 0.0 * q)
+        gears = [robot.mj.joint(f"flex_{i + 1}").stiffness[0] for i in range(robot.n_axes)]
+        twist = (self.load - still)[:, self.arm.axes] / gears
+        return float(np.sqrt(np.square(twist).mean(axis=0)).max()) / TWIST
 
     def beginning(self, seconds: float) -> "RigidMotion":
         """Its first seconds."""

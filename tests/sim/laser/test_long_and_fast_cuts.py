@@ -1,19 +1,17 @@
 """Cuts at the edges of what an estimate serves: fast ones are learned, long ones are said."""
 
-import numpy as np
 import pytest
 from tests.claims._estimates import path_error, rigid_path
 
 from armside.scripts.cutting.cut_run import fail_unless_done
 from armside.scripts.shell.errors import RunFailed
-from armside.sim.estimation.arm_filter import FRACTION
 from armside.sim.estimation.commissioning import Commissioning
-from armside.sim.estimation.tool_law import OF_HARD, ToolLaw
+from armside.sim.estimation.tool_law import ToolLaw
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import Cut, ToolPath, learn, prepare
 from armside.sim.laser.loop import first_run
 from armside.sim.laser.results import results
-from armside.sim.motion.contour import slot, square
+from armside.sim.motion.contour import slot
 from armside.sim.motion.timing import PathLimits
 from armside.sim.notes import GROWTH, Cause
 
@@ -28,23 +26,6 @@ def test_a_sound_imu_is_not_refused_on_a_fast_cut():
     output = measure.commissioned(experiment, measure.assumed(experiment), run)
     assert output.known.fault is None
     assert path_error(output(run), run) < 0.3 * path_error(rigid_path(run), run)
-
-
-def test_a_hard_cut_is_not_refused_for_what_its_springs_leave_in_proportion():
-    """433 mm/s through corners at 12.5 m/s^2, once refused for "5 times as much unexplained"."""
-    limits = PathLimits(acceleration=12.5)
-    cut = Cut(pose="p2", contour=square(0.1, 0.015), speed=1.0, limits=limits, imu=ImuCfg())
-    experiment, measure = prepare(cut), ToolPath()
-    run = first_run(experiment)
-    drives, torque = experiment.nominal.drives, np.abs(run.recording.motor_torque)
-    assert (torque > 0.999 * drives.torque_limit).any(axis=0).sum() >= 4  # as in the case refused
-    output = measure.commissioned(experiment, measure.assumed(experiment), run)
-    more = output.known.parameters.process_noise / FRACTION
-    assert more > 4.5  # the bound, of a motion that twists gears by TWIST
-    assert output.known.plants.excitation > 4.0
-    # A few steps of the search leave 0.12, all of them 0.02.
-    assert path_error(output(run), run) < 0.2 * path_error(rigid_path(run), run)
-    assert output.law.law.laws[0].cutoff == OF_HARD
 
 
 def test_an_outline_on_which_the_estimate_misleads_is_never_done_in_silence():
