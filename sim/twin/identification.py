@@ -132,8 +132,13 @@ class Identification:
 
     steps: int = 6
     """Of Gauss-Newton."""
-    linearised: tuple[int, ...] = (0, 1, 3)
-    """Steps that compute sensitivities anew; the others keep the last."""
+    linearised: tuple[int, ...] = (0, 1, 3, 5)
+    """Steps that compute sensitivities anew; the others keep the last. The last step does, for the
+    covariance there."""
+
+    def of_tool(self, step: int) -> bool:
+        """The tool's sensitivities are needed: not in the first step, if the second has its own."""
+        return step > 0 or self.steps == 1 or 1 not in self.linearised
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -181,9 +186,10 @@ def identify(
         for step in range(cfg.steps):
             anew = step in cfg.linearised
             known = [None] * len(each) if anew else [cut.columns for cut in found]
-            tool = step > 0 or 1 not in cfg.linearised
             found = list[Compared]()
-            for cut in pool.map(compared, each, repeat(solving.theta), known, repeat(tool)):
+            for cut in pool.map(
+                compared, each, repeat(solving.theta), known, repeat(cfg.of_tool(step))
+            ):
                 found.append(cut)
                 progress()
             groups, last = together(found), solving
