@@ -22,6 +22,7 @@ from ..records import as_measured, records
 from .process import Process, steady_state_covariance
 
 _AMPLIFIED = 5e5  # of rounding of P in one update, from which smoothed variances may be lost
+_SOLVED = 1e-6  # relative: a step of Newton's method leaves more
 _TOO_FAR_APART = (
     "variances of states and readings are too far apart for Smoother: its variances may be wrong, "
     "even negative, and then its means"
@@ -78,15 +79,31 @@ class SteadyStateFilter:
         """Filter of a process that differs little, as in a difference quotient.
 
         One step of Newton's method for the Riccati equation, which leaves the square of the
-        change: P + X with X - F X F^T what P leaves of the equation, F of this filter.
+        change: P + X with X - F X F^T what P leaves of the equation, F of this filter. Where the
+        modes of F do not solve that, the whole equation of the process is solved.
+
+        Raises RuntimeError if that is so, and there is no steady state.
         """
+        try:
+            with np.errstate(all="ignore"):
+                found = SteadyStateFilter(process, self.predicted_covariance + self._step(process))
+            np.linalg.cholesky(found.innovation_covariance)
+        except np.linalg.LinAlgError:
+            return SteadyStateFilter(process)
+        return found
+
+    def _step(self, process: Process) -> Array:
+        """X (n, n). Raises LinAlgError where F has no modes, or they are too near to each other."""
         P, A, C, units = self.predicted_covariance, process.A, process.C, self._units
         gain = np.linalg.solve(C @ P @ C.T + process.R, C @ P)
         left = A @ (P - P @ C.T @ gain) @ A.T + process.Q - P
-        values, vectors, inverse = self._modes
-        X = inverse @ (left / np.outer(units, units)) @ inverse.T
-        X = (vectors @ (X / (1.0 - np.outer(values, values))) @ vectors.T).real
-        return SteadyStateFilter(process, P + X * np.outer(units, units))
+        F, (values, vectors, inverse) = self._recursion, self._modes
+        left = left / np.outer(units, units)
+        X = inverse @ left @ inverse.T / (1.0 - np.outer(values, values))
+        X = (vectors @ X @ vectors.T).real
+        if not np.abs(X - F @ X @ F.T - left).max() <= _SOLVED * np.abs(left).max():  # NaN too
+            raise np.linalg.LinAlgError("modes do not solve the equation of the filter beside")
+        return np.asarray(X * np.outer(units, units), dtype=np.float64)
 
     @cached_property
     def _units(self) -> Array:
@@ -95,11 +112,15 @@ class SteadyStateFilter:
         return np.where(sd > 0.0, sd, 1.0)
 
     @cached_property
-    def _modes(self) -> tuple[Complex, Complex, Complex]:
-        """Eigenvalues (n,) of the error's recursion in those units, eigenvectors, their inverse."""
+    def _recursion(self) -> Array:
+        """F (n, n) of the prediction error, in those units."""
         one, units = self.process, self._units
-        F = (one.A - one.A @ self.gain @ one.C) * units / units[:, None]
-        values, vectors = np.linalg.eig(F.astype(np.complex128))
+        return (one.A - one.A @ self.gain @ one.C) * units / units[:, None]
+
+    @cached_property
+    def _modes(self) -> tuple[Complex, Complex, Complex]:
+        """Eigenvalues (n,) of F, eigenvectors, their inverse."""
+        values, vectors = np.linalg.eig(self._recursion.astype(np.complex128))
         inverse: Complex = np.asarray(np.linalg.inv(vectors), dtype=np.complex128)
         return values, vectors, inverse
 

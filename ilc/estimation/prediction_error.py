@@ -73,6 +73,9 @@ def estimate_parameters(
         prior, prior_sd: (m,), mean and standard deviation of the prior.
         starts: each (m,).
         further: starts that are tried too where the minimum found lies `FAR` from the prior.
+
+    Raises:
+        RuntimeError: the prediction error, or its derivatives, are not finite at any start.
     """
     stepped = beside or (lambda theta, step: model(theta + step))
     problem = _Problem(model, stepped, prior, prior_sd)
@@ -87,6 +90,10 @@ def estimate_parameters(
     covariance: Array = np.asarray(np.linalg.inv(information), dtype=np.float64)
     gained = 1.0 - np.diag(covariance) / prior_sd**2
     return ParameterEstimate(theta, covariance, gained, cost, residual.innovation, costs)
+
+
+class _NoDerivativeError(RuntimeError):
+    """A search cannot go on from there."""
 
 
 class _Problem(NamedTuple):
@@ -131,6 +138,8 @@ def _linearised(problem: _Problem, theta: Array) -> tuple[Whitened, Array, Array
     The information of a Gaussian record about theta_i and theta_j is that of the mean,
     d e^T S^-1 d e, and of the covariance, 1/2 tr(S^-1 dS S^-1 dS). The derivatives of L^-1 e hold
     all of it but 1/4 of the squares of d 2 log L_ii.
+
+    Raises _NoDerivativeError where the model ends to both sides of a parameter.
     """
     model, beside, prior, sd = problem
     here = model(theta)
@@ -144,6 +153,8 @@ def _linearised(problem: _Problem, theta: Array) -> tuple[Whitened, Array, Array
                 J[:, i] = (there.innovation[seen].ravel() - e) / side[i]
                 d_log_det[:, i] = (np.atleast_1d(there.log_det) - log_det) / side[i]
                 break
+        else:
+            raise _NoDerivativeError(f"the prediction error ends within a step of parameter {i}")
     information = J.T @ J + 0.25 * n * d_log_det.T @ d_log_det + np.diag(sd**-2.0)
     gradient = J.T @ e + 0.5 * n * d_log_det.sum(axis=0) + (theta - prior) / sd**2
     return here, information, gradient
@@ -154,7 +165,10 @@ def _search(problem: _Problem, start: Array, steps: int, enough: float) -> tuple
     theta, damping = np.array(start, dtype=np.float64), 1e-2
     cost = _cost(model(theta), theta, prior, sd)
     for _ in range(steps if np.isfinite(cost) else 0):
-        _, H, gradient = _linearised(problem, theta)
+        try:
+            _, H, gradient = _linearised(problem, theta)
+        except _NoDerivativeError:
+            return theta, np.inf
         while damping < 1e6:
             step = -np.linalg.solve(H + damping * np.diag(np.diag(H)), gradient)
             tried = theta + step
