@@ -65,6 +65,7 @@ class Strokes(Setup[PartMotion]):
                 raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")
 
     def planned(self, nominal: Statics) -> tuple[PartMotion, Array]:
+        """Raises ValueError for a drive that is too weak at any pace."""
         speed, limits = self.speed, self.limits
         alone = rest_to_rest(self.side, speed, limits).duration
         if alone > PERIOD:
@@ -77,8 +78,13 @@ class Strokes(Setup[PartMotion]):
             except JointSpeedError:
                 speed *= SLOWER
                 continue
-            if torque_used(nominal, asked) <= DRIVE:
+            if torque_used(nominal, asked).max() <= DRIVE:
                 return motion, asked
+            slowest = torque_used(nominal, asked, slowest=True)
+            if slowest.max() > DRIVE:
+                drive, needed = slowest.argmax() + 1, f"{100 * slowest.max():.0f} % of its torque"
+                at_any = f"needs {needed} however slow the motion, more than {100 * DRIVE:g} %"
+                raise ValueError(f"drive {drive} {at_any}")
             speed *= SLOWER
             acceleration, jerk = SLOWER**2 * limits.acceleration, SLOWER**3 * limits.jerk
             limits = PathLimits(acceleration=acceleration, jerk=jerk)
@@ -148,15 +154,18 @@ class Strokes(Setup[PartMotion]):
         return {"reached_speed": motion.cuts[0].reached_speed}
 
 
-def torque_used(controller: Statics, phi: Array) -> float:
-    """Largest fraction of a drive's torque limit along a reference (N, n) [rad] of the rigid arm,
-    friction included."""
+def torque_used(controller: Statics, phi: Array, *, slowest: bool = False) -> Array:
+    """(n,) largest fraction of each drive's torque limit along a reference (N, n) [rad] of the
+    rigid arm, friction included. slowest: gravity and Coulomb friction alone."""
     drives, (_, speed, acceleration) = controller.model.drives, interpolate(phi, LOG_PERIOD, 1)
     gear, moving = np.abs(drives.gear), np.minimum(np.abs(speed) / FRICTION_SPEED, 1.0)
+    if slowest:
+        speed, acceleration = 0.0 * speed, 0.0 * acceleration
     friction = gear * drives.coulomb_friction * moving
     friction += gear**2 * drives.viscous_friction * np.abs(speed)
     torque = controller.motor_torque(controller.rigid_forces(phi, speed, acceleration))
-    return float(((np.abs(torque) + friction) / (gear * drives.torque_limit)).max())
+    used = (np.abs(torque) + friction) / (gear * drives.torque_limit)
+    return np.asarray(used.max(axis=0), dtype=np.float64)
 
 
 @dataclass(frozen=True)
