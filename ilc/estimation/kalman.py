@@ -7,6 +7,7 @@ state-space model" (1989), which inverts no covariance of a state: states may be
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 from warnings import warn
 
@@ -16,10 +17,12 @@ from numpy.typing import NDArray
 
 from armside.arrays import Array, read_only
 
+from ..models.system import Complex
 from ..records import as_measured, records
 from .process import Process, steady_state_covariance
 
 _AMPLIFIED = 5e5  # of rounding of P in one update, from which smoothed variances may be lost
+_SOLVED = 1e-6  # relative: a step of Newton's method leaves more
 _TOO_FAR_APART = (
     "variances of states and readings are too far apart for Smoother: its variances may be wrong, "
     "even negative, and then its means"
@@ -48,10 +51,14 @@ class Smoothed(Filtered):
 class SteadyStateFilter:
     """Kalman filter with the steady-state gain: one recursion, and the cheapest set-up."""
 
-    def __init__(self, process: Process) -> None:
-        """Raises RuntimeError if there is no steady state."""
+    def __init__(self, process: Process, covariance: Array | None = None) -> None:
+        """covariance: (n, n) of the one-step prediction error, where it is known.
+
+        Raises RuntimeError if there is no steady state.
+        """
         self.process = process
-        self.predicted_covariance = P = steady_state_covariance(process)
+        P = steady_state_covariance(process) if covariance is None else covariance
+        self.predicted_covariance = P
         S = process.C @ P @ process.C.T + process.R
         self.innovation_covariance = 0.5 * (S + S.T)
         self.gain: Array = np.ascontiguousarray(
@@ -67,6 +74,55 @@ class SteadyStateFilter:
         x = np.zeros(len(self.process.A)) if start is None else start.copy()
         e = _predict(self.process.A, self.process.C, self.gain, self.innovation_covariance, y, x)
         return Filtered(e, self.innovation_covariance[None])
+
+    def beside(self, process: Process) -> "SteadyStateFilter":
+        """Filter of a process that differs little, as in a difference quotient.
+
+        One step of Newton's method for the Riccati equation, which leaves the square of the
+        change: P + X with X - F X F^T what P leaves of the equation, F of this filter. Where the
+        modes of F do not solve that, the whole equation of the process is solved.
+
+        Raises RuntimeError if that is so, and there is no steady state.
+        """
+        try:
+            with np.errstate(all="ignore"):
+                found = SteadyStateFilter(process, self.predicted_covariance + self._step(process))
+            np.linalg.cholesky(found.innovation_covariance)
+        except np.linalg.LinAlgError:
+            return SteadyStateFilter(process)
+        return found
+
+    def _step(self, process: Process) -> Array:
+        """X (n, n). Raises LinAlgError where F has no modes, or they are too near to each other."""
+        P, A, C, units = self.predicted_covariance, process.A, process.C, self._units
+        gain = np.linalg.solve(C @ P @ C.T + process.R, C @ P)
+        left = A @ (P - P @ C.T @ gain) @ A.T + process.Q - P
+        F, (values, vectors, inverse) = self._recursion, self._modes
+        left = left / np.outer(units, units)
+        X = inverse @ left @ inverse.T / (1.0 - np.outer(values, values))
+        X = (vectors @ X @ vectors.T).real
+        if not np.abs(X - F @ X @ F.T - left).max() <= _SOLVED * np.abs(left).max():  # NaN too
+            raise np.linalg.LinAlgError("modes do not solve the equation of the filter beside")
+        return np.asarray(X * np.outer(units, units), dtype=np.float64)
+
+    @cached_property
+    def _units(self) -> Array:
+        """(n,), of the states."""
+        sd = np.sqrt(np.diag(self.predicted_covariance))
+        return np.where(sd > 0.0, sd, 1.0)
+
+    @cached_property
+    def _recursion(self) -> Array:
+        """F (n, n) of the prediction error, in those units."""
+        one, units = self.process, self._units
+        return (one.A - one.A @ self.gain @ one.C) * units / units[:, None]
+
+    @cached_property
+    def _modes(self) -> tuple[Complex, Complex, Complex]:
+        """Eigenvalues (n,) of F, eigenvectors, their inverse."""
+        values, vectors = np.linalg.eig(self._recursion.astype(np.complex128))
+        inverse: Complex = np.asarray(np.linalg.inv(vectors), dtype=np.complex128)
+        return values, vectors, inverse
 
     @property
     def whitening(self) -> tuple[Array, Array]:

@@ -62,35 +62,56 @@ def estimate_parameters(
     prior_sd: Array,
     starts: Sequence[Array],
     further: Sequence[Array] = (),
+    beside: Callable[[Array, Array], Whitened] | None = None,
 ) -> ParameterEstimate:
     """Minimise the prediction error by damped Gauss-Newton from each start, then from the best.
 
     Args:
         model: normalised innovations of the record at theta (m,).
+        beside: of theta and a step that is small: the innovations at their sum to first order, or
+            a little better; model(theta + step) if None.
         prior, prior_sd: (m,), mean and standard deviation of the prior.
         starts: each (m,).
         further: starts that are tried too where the minimum found lies `FAR` from the prior.
+
+    Raises:
+        RuntimeError: the prediction error, or its derivatives, are not finite at any start.
     """
-    (theta, cost), costs = _from_starts(model, prior, prior_sd, starts)
+    stepped = beside or (lambda theta, step: model(theta + step))
+    problem = _Problem(model, stepped, prior, prior_sd)
+    (theta, cost), costs = _from_starts(problem, starts)
     if further and np.square((theta - prior) / prior_sd).mean() > FAR:
-        other, more = _from_starts(model, prior, prior_sd, further)
+        other, more = _from_starts(problem, further)
         theta, cost = min((theta, cost), other, key=lambda each: each[1])
         costs += more
     if not np.isfinite(min(costs)):
         raise RuntimeError("the prediction error is not finite at any start")
-    residual, information, _ = _linearised(model, prior, prior_sd, theta)
+    residual, information, _ = _linearised(problem, theta)
     covariance: Array = np.asarray(np.linalg.inv(information), dtype=np.float64)
     gained = 1.0 - np.diag(covariance) / prior_sd**2
     return ParameterEstimate(theta, covariance, gained, cost, residual.innovation, costs)
 
 
+class _NoDerivativeError(RuntimeError):
+    """A search cannot go on from there."""
+
+
+class _Problem(NamedTuple):
+    """What is minimised; fields as the arguments of `estimate_parameters`."""
+
+    model: Callable[[Array], Whitened]
+    beside: Callable[[Array, Array], Whitened]
+    prior: Array
+    sd: Array
+
+
 def _from_starts(
-    model: Callable[[Array], Whitened], prior: Array, sd: Array, starts: Sequence[Array]
+    problem: _Problem, starts: Sequence[Array]
 ) -> tuple[tuple[Array, float], tuple[float, ...]]:
     """The best minimum and its cost, and the cost of each start after its first steps."""
-    found = [_search(model, prior, sd, start, _FIRST_STEPS, _ROUGH) for start in starts]
+    found = [_search(problem, start, _FIRST_STEPS, _ROUGH) for start in starts]
     ranked = sorted(found, key=lambda each: each[1])[:_KEPT]
-    ends = [_search(model, prior, sd, theta, _STEPS, _FINE) for theta, _ in ranked]
+    ends = [_search(problem, theta, _STEPS, _FINE) for theta, _ in ranked]
     return min(ends, key=lambda each: each[1]), tuple(cost for _, cost in found)
 
 
@@ -111,43 +132,43 @@ def _seen(residual: Whitened) -> NDArray[np.bool_]:
     return np.asarray(np.isfinite(residual.innovation).all(axis=1))
 
 
-def _linearised(
-    model: Callable[[Array], Whitened], prior: Array, sd: Array, theta: Array
-) -> tuple[Whitened, Array, Array]:
+def _linearised(problem: _Problem, theta: Array) -> tuple[Whitened, Array, Array]:
     """Innovations, the information (m, m) of data and prior, and the gradient of half the cost.
 
     The information of a Gaussian record about theta_i and theta_j is that of the mean,
     d e^T S^-1 d e, and of the covariance, 1/2 tr(S^-1 dS S^-1 dS). The derivatives of L^-1 e hold
     all of it but 1/4 of the squares of d 2 log L_ii.
+
+    Raises _NoDerivativeError where the model ends to both sides of a parameter.
     """
+    model, beside, prior, sd = problem
     here = model(theta)
     seen = _seen(here)
     e, log_det, n = here.innovation[seen].ravel(), np.atleast_1d(here.log_det), int(seen.sum())
     J, d_log_det = np.zeros((e.size, theta.size)), np.zeros((log_det.size, theta.size))
     for i, step in enumerate(np.diag(_DIFFERENCE * sd)):
         for side in (step, -step):  # the other side where the model ends within a step
-            there = model(theta + side)
+            there = beside(theta, side)
             if np.isfinite(there.innovation[seen]).all():
                 J[:, i] = (there.innovation[seen].ravel() - e) / side[i]
                 d_log_det[:, i] = (np.atleast_1d(there.log_det) - log_det) / side[i]
                 break
+        else:
+            raise _NoDerivativeError(f"the prediction error ends within a step of parameter {i}")
     information = J.T @ J + 0.25 * n * d_log_det.T @ d_log_det + np.diag(sd**-2.0)
     gradient = J.T @ e + 0.5 * n * d_log_det.sum(axis=0) + (theta - prior) / sd**2
     return here, information, gradient
 
 
-def _search(
-    model: Callable[[Array], Whitened],
-    prior: Array,
-    sd: Array,
-    start: Array,
-    steps: int,
-    enough: float,
-) -> tuple[Array, float]:
+def _search(problem: _Problem, start: Array, steps: int, enough: float) -> tuple[Array, float]:
+    model, _, prior, sd = problem
     theta, damping = np.array(start, dtype=np.float64), 1e-2
     cost = _cost(model(theta), theta, prior, sd)
     for _ in range(steps if np.isfinite(cost) else 0):
-        _, H, gradient = _linearised(model, prior, sd, theta)
+        try:
+            _, H, gradient = _linearised(problem, theta)
+        except _NoDerivativeError:
+            return theta, np.inf
         while damping < 1e6:
             step = -np.linalg.solve(H + damping * np.diag(np.diag(H)), gradient)
             tried = theta + step

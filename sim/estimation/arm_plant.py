@@ -104,6 +104,8 @@ class PathPlants:
     """(N, S), of each plant at each sample; they fade from place to place."""
     lowest_mode: float = 0.0
     """[Hz], of these arms with their motors held, where the springs were identified; else 0."""
+    excitation: float = 0.0
+    """As of `RigidMotion`, where the springs were identified; else 0."""
 
     @property
     def middle(self) -> ArmPlant:
@@ -111,9 +113,17 @@ class PathPlants:
 
 
 def plants_along(
-    robot: RobotModel, motion: RigidMotion, springs: Elasticity, *, identified: bool
+    robot: RobotModel,
+    motion: RigidMotion,
+    springs: Elasticity,
+    *,
+    identified: bool,
+    excitation: float = 0.0,
 ) -> PathPlants:
-    """Plants along a rigid motion. identified: the springs are no assumption."""
+    """Plants along a rigid motion. identified: the springs are no assumption.
+
+    excitation: of that motion.
+    """
     place = segments(motion.phi, PLACE)
     samples = np.array([int(np.flatnonzero(place == s).mean()) for s in range(place[-1] + 1)])
     angle = deflection(motion, springs).angle
@@ -124,7 +134,12 @@ def plants_along(
     plants = tuple(ArmPlant(robot=robot, arm=arm, period=LOG_PERIOD) for arm in arms)
     mode = min(float(arm.locked_modes()[0]) for arm in arms) if identified else 0.0
     weights = fading(motion.time[samples], motion.time)
-    return PathPlants(plants=plants, weights=weights, lowest_mode=mode)
+    return PathPlants(
+        plants=plants,
+        weights=weights,
+        lowest_mode=mode,
+        excitation=excitation if identified else 0.0,
+    )
 
 
 def fading(centres: Array, time: Array) -> Array:

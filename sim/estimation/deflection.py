@@ -7,6 +7,7 @@ lost motion: within +-l a gear is softer. Newmark's average acceleration adds no
 """
 
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -136,13 +137,19 @@ def explained(motion: RigidMotion, bent: Deflection, imu: ImuCfg) -> "CubicHermi
     y -= y[0].copy()
     low, rate = np.empty_like(y), np.empty_like(y)
     for k, triad in enumerate((imu.accelerometer, imu.gyroscope)):
-        omega = 2.0 * np.pi * triad.bandwidth
-        one = [[0.0, 1.0], [-(omega**2), -np.sqrt(2.0) * omega]], [[0.0], [omega**2]]
-        A, B = (np.asarray(np.kron(part, np.eye(3)), np.float64) for part in one)
         channels = slice(3 * k, 3 * k + 3)
-        states = simulate(*first_order_hold(A, B, motion.period), y[:, channels])
+        states = simulate(*_low_pass(triad.bandwidth, motion.period), y[:, channels])
         low[:, channels], rate[:, channels] = states[:, :3], states[:, 3:]
     return CubicHermiteSpline(motion.time, low, rate)
+
+
+@cache
+def _low_pass(bandwidth: float, period: float) -> tuple[Array, Array, Array]:
+    """Of a triad, sampled."""
+    omega = 2.0 * np.pi * bandwidth
+    one = [[0.0, 1.0], [-(omega**2), -np.sqrt(2.0) * omega]], [[0.0], [omega**2]]
+    A, B = (np.asarray(np.kron(part, np.eye(3)), np.float64) for part in one)
+    return first_order_hold(A, B, period)
 
 
 def residual(

@@ -14,6 +14,7 @@ from armside.arrays import Array
 from armside.ilc.estimation.consistency import Whiteness, whiteness
 from armside.ilc.estimation.kalman import SteadyStateFilter
 from armside.ilc.estimation.prediction_error import ParameterEstimate, Whitened, estimate_parameters
+from armside.ilc.estimation.process import Process
 
 from ..instruments.imu import ImuCfg, ImuSamples
 from .arm_filter import FRACTION, ArmFilter, arm_filter
@@ -62,7 +63,7 @@ def identify(
 
     starts, further = ([start(*each) for each in given] for given in (_STARTS, _FURTHER))
     model = _Innovations(motion, nominal, samples, imu)
-    fit = estimate_parameters(model, np.zeros_like(sd), sd, starts, further)
+    fit = estimate_parameters(model, np.zeros_like(sd), sd, starts, further, model.beside)
     parameters = parameters_at(nominal, fit.theta)
     return Identified(parameters, fit, whiteness(fit.innovation))
 
@@ -112,39 +113,71 @@ class _Innovations:
     nominal: Elasticity
     samples: ImuSamples
     imu: ImuCfg
-    # Gradients move clock and mounting as well, which filter and deflection do not depend on.
-    _last: "tuple[bytes, tuple[SteadyStateFilter, CubicHermiteSpline] | None]" = (b"", None)
+    # Gradients move one parameter at a time, which few of these depend on.
+    _filter: tuple[bytes, SteadyStateFilter | None] = (b"", None)
+    _readings: "tuple[bytes, CubicHermiteSpline | None]" = (b"", None)
 
     def __call__(self, theta: Array) -> Whitened:
         return self.on(parameters_at(self.nominal, theta))
 
+    def beside(self, theta: Array, step: Array) -> Whitened:
+        """At theta + step, with the filter by its derivative at theta."""
+        here, there = (parameters_at(self.nominal, each) for each in (theta, theta + step))
+        try:
+            settled, readings = self._settled(here), self._explained(there, stored=False)
+            if _of_filter(there) != self._filter[0]:
+                settled = settled.beside(self._process(there))
+        except (FloatingPointError, RuntimeError):
+            return self._impossible
+        return self._whitened(settled, readings, there)
+
     def on(self, parameters: ArmParameters) -> Whitened:
-        """Innovations on given parameters."""
-        known = self._known(parameters)
-        if known is None:
-            return Whitened(np.full((len(self.samples.time), 6), np.inf), 0.0)
-        settled, readings = known
+        """Innovations on given parameters; infinite for springs that cannot carry the arm."""
+        try:
+            known = self._settled(parameters), self._explained(parameters)
+        except (FloatingPointError, RuntimeError):
+            return self._impossible
+        return self._whitened(*known, parameters)
+
+    @property
+    def _impossible(self) -> Whitened:
+        return Whitened(np.full((len(self.samples.time), 6), np.inf), 0.0)
+
+    def _whitened(
+        self, settled: SteadyStateFilter, readings: "CubicHermiteSpline", own: ArmParameters
+    ) -> Whitened:
         start = np.zeros(len(settled.process.A))
-        unit = parameters.clock_offset, parameters.mounting
-        left, start[-6:] = residual(self.samples, readings, *unit)
+        left, start[-6:] = residual(self.samples, readings, own.clock_offset, own.mounting)
         W, log_det = settled.whitening
         return Whitened(settled(left, start).innovation @ W.T, log_det)
 
-    def _known(
-        self, parameters: ArmParameters
-    ) -> "tuple[SteadyStateFilter, CubicHermiteSpline] | None":
-        """Filter and explained readings; None for springs that cannot carry the arm."""
-        springs, motion = parameters.springs, self.motion
-        parts = springs.stiffness, springs.damping, springs.lost_motion, parameters.process_noise
-        key = b"".join(np.asarray(part).tobytes() for part in parts)
-        if key == self._last[0]:
-            return self._last[1]
-        try:
-            bent = deflection(motion, springs)
-            segment = int(motion.segment[len(motion.segment) // 2])
-            process = filter_at(motion, parameters, self.imu, segment).sampled(1.0 / self.imu.rate)
-            known = SteadyStateFilter(process), explained(motion, bent, self.imu)
-        except (FloatingPointError, RuntimeError):
-            known = None
-        self._last = key, known
-        return known
+    def _process(self, parameters: ArmParameters) -> Process:
+        segment = int(self.motion.segment[len(self.motion.segment) // 2])
+        process = filter_at(self.motion, parameters, self.imu, segment)
+        return process.sampled(1.0 / self.imu.rate)
+
+    def _settled(self, parameters: ArmParameters) -> SteadyStateFilter:
+        key, (last, settled) = _of_filter(parameters), self._filter
+        if settled is None or key != last:
+            settled = SteadyStateFilter(self._process(parameters))
+            self._filter = key, settled
+        return settled
+
+    def _explained(self, parameters: ArmParameters, stored: bool = True) -> "CubicHermiteSpline":
+        springs, (last, readings) = parameters.springs, self._readings
+        key = _bytes(springs.stiffness, springs.damping, springs.lost_motion)
+        if readings is None or key != last:
+            readings = explained(self.motion, deflection(self.motion, springs), self.imu)
+            if stored:
+                self._readings = key, readings
+        return readings
+
+
+def _of_filter(parameters: ArmParameters) -> bytes:
+    """What the filter depends on."""
+    springs = parameters.springs
+    return _bytes(springs.stiffness, springs.damping, parameters.process_noise)
+
+
+def _bytes(*parts: Array | float) -> bytes:
+    return b"".join(np.asarray(part).tobytes() for part in parts)

@@ -4,6 +4,7 @@ Everything here follows from the measured motor angles and from masses; no sprin
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -12,7 +13,9 @@ from armside.arrays import Array
 from armside.ilc.filters import ZeroPhaseButterworth
 
 from ..robot.linkage import FreeMotion
+from ..robot.model import RobotModel
 from ..robot.servo import interpolate
+from .arm_filter import TWIST
 from .elasticity import Elasticity
 from .linearised_arm import LinearisedArm, forward, imu_kinematics, matrices
 from .nominal import NominalArm
@@ -58,10 +61,14 @@ class RigidMotion:
 
     def linearised(self, segment: int, springs: Elasticity) -> LinearisedArm:
         """The arm on springs, in one segment."""
-        at, arm, gears = int(self.middle[segment]), self.arm, springs.axes
-        q = _posture(arm, self.phi[at])
-        data = arm.motion.data()
-        forward(arm.motion, data, q)
+        at, gears = int(self.middle[segment]), springs.axes
+        if segment not in self._postures:
+            arm, q = self.arm, _posture(self.arm, self.phi[at])
+            data = arm.motion.data()
+            forward(arm.motion, data, q)
+            jacobian = arm.motion.jacobian(data, arm.mj.site("tool0").id)
+            self._postures[segment] = q, jacobian
+        q, tool_jacobian = self._postures[segment]
         structure, damping = springs.stiffness.copy(), springs.damping.copy()
         structure[gears] = damping[gears] = 0.0
         return LinearisedArm(
@@ -72,10 +79,26 @@ class RigidMotion:
             axes=gears,
             stiffness=springs.stiffness[gears],
             damping=springs.damping[gears],
-            tool_jacobian=arm.motion.jacobian(data, arm.mj.site("tool0").id),
+            tool_jacobian=tool_jacobian,
             imu_jacobian=self.imu_jacobian[at],
             imu_gravity=self.imu_gravity[at],
         )
+
+    @cached_property
+    def _postures(self) -> dict[int, tuple[Array, Array]]:
+        """Angles and the tool's Jacobian, by segment; no spring changes them."""
+        return {}
+
+    def excitation(self, robot: RobotModel) -> float:
+        """Largest RMS twist of a gear by inertia, over `TWIST`, on the springs of the robot's file.
+
+        Gravity is left out: along a large path it changes however slow the motion is.
+        """
+        q = _posture(self.arm, self.phi)
+        still, _ = inverse_dynamics(self.arm.motion, q, 0.0 * q, 0.0 * q)
+        gears = [robot.mj.joint(f"flex_{i + 1}").stiffness[0] for i in range(robot.n_axes)]
+        twist = (self.load - still)[:, self.arm.axes] / gears
+        return float(np.sqrt(np.square(twist).mean(axis=0)).max()) / TWIST
 
     def beginning(self, seconds: float) -> "RigidMotion":
         """Its first seconds."""

@@ -25,10 +25,13 @@ from ..notes import Cause, Note
 from ..part.arcs import Chain
 from ..part.curve import Kind
 from ..part.motion import CutLeg, PartMotion, samples_until
+from ..robot.drives import FRICTION_SPEED
+from ..robot.servo import interpolate
 from ..robot.statics import Statics
 from ..robot.virtual_robot import LOG_PERIOD
 from ..robot_file.find import find_cell
 from .experiment import Iteration, prepare
+from .joint_bounds import DRIVE
 from .loop import learn
 from .part_cut import JointSpeedError, reference, timed
 from .specification import Ended, Row, Setup, Timed
@@ -38,8 +41,12 @@ REST_BEFORE, REST_AFTER = 0.5, 1.0
 """[s], as in the record of the paper: from 1.5 to 5.5 s, with strokes from 2.0 s on."""
 PERIOD = 0.75
 """[s], of the square."""
+SETTLING = 0.45
+"""Rest [s] at least after a stroke that joints or drives make slower: as much as the paper's
+longest stroke, of 0.3 s, leaves."""
 SLOWER = 0.9
-"""Factor on the speed, as often as a joint would be too fast. ESTIMATE"""
+"""Factor on the speed, as often as a joint would be too fast, or on the pace of the whole motion,
+as often as a drive would be too weak. ESTIMATE"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,26 +72,44 @@ class Strokes(Setup[PartMotion]):
                 raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")
 
     def planned(self, nominal: Statics) -> tuple[PartMotion, Array]:
-        speed = self.speed
+        """Raises ValueError for a drive that is too weak at any pace."""
+        speed, limits = self.speed, self.limits
+        alone = max(rest_to_rest(path.length, speed, limits).duration for path in self._paths())
+        if alone > self.period:
+            longest = f"the time of {self.period:g} s from one to the next"
+            raise ValueError(f"a stroke takes {alone:.3g} s, more than {longest}")
         while True:
-            motion = self._motion(speed)
-            with suppress(JointSpeedError):
-                return motion, reference(self, nominal, motion)
+            motion = self._motion(speed, limits)
+            try:
+                asked = reference(self, nominal, motion)
+            except JointSpeedError:
+                speed *= SLOWER
+                continue
+            if torque_used(nominal, asked).max() <= DRIVE:
+                return motion, asked
+            slowest = torque_used(nominal, asked, slowest=True)
+            if slowest.max() > DRIVE:
+                drive, needed = slowest.argmax() + 1, f"{100 * slowest.max():.0f} % of its torque"
+                at_any = f"needs {needed} however slow the motion, more than {100 * DRIVE:g} %"
+                raise ValueError(f"drive {drive} {at_any}")
             speed *= SLOWER
+            acceleration, jerk = SLOWER**2 * limits.acceleration, SLOWER**3 * limits.jerk
+            limits = PathLimits(acceleration=acceleration, jerk=jerk)
 
-    def _motion(self, speed: float) -> PartMotion:
+    def _paths(self) -> list[Chain]:
         half = 0.5 * self.side
         square = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]], dtype=np.float64)
-        paths = [Chain(np.array(ends), np.zeros(1)) for ends in pairwise(self.corners or square)]
-        timings = [rest_to_rest(path.length, speed, self.limits) for path in paths]
-        if (duration := max(timing.duration for timing in timings)) > self.period:
-            longest = f"the time of {self.period:g} s from one to the next"
-            raise ValueError(f"a stroke takes {duration:.3g} s, more than {longest}")
+        return [Chain(np.array(ends), np.zeros(1)) for ends in pairwise(self.corners or square)]
+
+    def _motion(self, speed: float, limits: PathLimits) -> PartMotion:
+        paths = self._paths()
+        timings = [rest_to_rest(path.length, speed, limits) for path in paths]
+        period = max(self.period, max(timing.duration for timing in timings) + SETTLING)
         legs = tuple(
             CutLeg(
                 path=path,
                 timing=timing,
-                start=REST_BEFORE + self.period * i,
+                start=REST_BEFORE + period * i,
                 name=f"stroke {i + 1}",
                 kind=Kind.OPEN,
                 lead=0.0,
@@ -127,6 +152,12 @@ class Strokes(Setup[PartMotion]):
         if reached < 0.999 * self.speed:
             text = f"the speed is lowered from {1e3 * self.speed:.4g} to {1e3 * reached:.4g} mm/s"
             yield Note(cause=Cause.SPEED, text=text)
+        jerk = motion.legs[0].timing.state[:, 3].max()
+        if (pace := float(np.cbrt(jerk / self.limits.jerk))) < 0.999:
+            asked, left = self.limits.acceleration, pace**2 * self.limits.acceleration
+            text = f"the acceleration is lowered from {asked:.4g} to {left:.4g} m/s^2"
+            text += f": drives would need more than {100 * DRIVE:g} % of their torque"
+            yield Note(cause=Cause.ACCELERATION, text=text)
 
     def entries(
         self, motion: PartMotion, contours: Sequence[Sequence[Row]], ends: Sequence[Ended]
@@ -137,6 +168,20 @@ class Strokes(Setup[PartMotion]):
 def robot_of(name: str) -> Cell:
     """Cell of a name, or of a file of the folder of robots."""
     return find_cell(name if name in CELLS else str(ROBOTS / name))
+
+
+def torque_used(controller: Statics, phi: Array, *, slowest: bool = False) -> Array:
+    """(n,) largest fraction of each drive's torque limit along a reference (N, n) [rad] of the
+    rigid arm, friction included. slowest: gravity and Coulomb friction alone."""
+    drives, (_, speed, acceleration) = controller.model.drives, interpolate(phi, LOG_PERIOD, 1)
+    gear, moving = np.abs(drives.gear), np.minimum(np.abs(speed) / FRICTION_SPEED, 1.0)
+    if slowest:
+        speed, acceleration = 0.0 * speed, 0.0 * acceleration
+    friction = gear * drives.coulomb_friction * moving
+    friction += gear**2 * drives.viscous_friction * np.abs(speed)
+    torque = controller.motor_torque(controller.rigid_forces(phi, speed, acceleration))
+    used = (np.abs(torque) + friction) / (gear * drives.torque_limit)
+    return np.asarray(used.max(axis=0), dtype=np.float64)
 
 
 @dataclass(frozen=True)

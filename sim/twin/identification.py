@@ -65,10 +65,15 @@ class Compared:
         return float(np.sqrt(np.mean(np.sum(left**2, axis=1))))
 
 
-def compared(against: Against, theta: Array, columns: Columns | None) -> Compared:
-    """A cut against the twin of theta, with sensitivities from before, or anew if None."""
+def compared(
+    against: Against, theta: Array, columns: Columns | None, tool: bool = True
+) -> Compared:
+    """A cut against the twin of theta, with sensitivities from before, or anew if None.
+
+    tool: as of `Against.linearised`.
+    """
     if columns is None:
-        residuals, columns = against.linearised(theta)
+        residuals, columns = against.linearised(theta, tool=tool)
     else:
         residuals = against.residuals(theta)
     on, m = residuals.moving, columns.tool.shape[-1]
@@ -128,7 +133,12 @@ class Identification:
     steps: int = 6
     """Of Gauss-Newton."""
     linearised: tuple[int, ...] = (0, 1, 3, 5)
-    """Steps that compute sensitivities anew; the others keep the last."""
+    """Steps that compute sensitivities anew; the others keep the last. The last step does, for the
+    covariance there."""
+
+    def of_tool(self, step: int) -> bool:
+        """The tool's sensitivities are needed: not in the first step, if the second has its own."""
+        return step > 0 or self.steps == 1 or 1 not in self.linearised
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -177,7 +187,9 @@ def identify(
             anew = step in cfg.linearised
             known = [None] * len(each) if anew else [cut.columns for cut in found]
             found = list[Compared]()
-            for cut in pool.map(compared, each, repeat(solving.theta), known):
+            for cut in pool.map(
+                compared, each, repeat(solving.theta), known, repeat(cfg.of_tool(step))
+            ):
                 found.append(cut)
                 progress()
             groups, last = together(found), solving

@@ -76,8 +76,11 @@ class Against:
         """Residuals against one twin."""
         return self._residuals(next(self._simulated([theta])))
 
-    def linearised(self, theta: Array) -> tuple[Residuals, Columns]:
-        """Residuals against one twin, and their sensitivities around it."""
+    def linearised(self, theta: Array, *, tool: bool = True) -> tuple[Residuals, Columns]:
+        """Residuals against one twin, and their sensitivities around it.
+
+        tool: those of the tool too, which take three quarters of the simulations; else 0.
+        """
         parameters = self.parameters
         m, unit = parameters.size, np.eye(parameters.size)
         # For each constant of the friction law and each part of the ripple, of all axes at once:
@@ -88,7 +91,8 @@ class Against:
             for start, parts in [(parameters.at(block.name).start, block.size // N_AXES)]
             for part in range(parts)
         }
-        springs = [parameters.at(name) for name in ("mass", *SPRINGS, *BENDING, "lost_motion")]
+        names = ("mass", *(*SPRINGS, *BENDING, "lost_motion") * tool)
+        springs = [parameters.at(name) for name in names]
         rest = [i for block in springs for i in range(block.start, block.stop)]
         directions = (*friction.values(), *(unit[i] for i in rest))
         variants = [theta, *(theta + _STEP * direction for direction in directions)]
@@ -100,14 +104,14 @@ class Against:
             for axis in range(N_AXES):
                 torque[:, axis, first + axis * parts] = change[:, axis]
         residuals = self._residuals(base)
-        tool = np.zeros((*residuals.tool.shape, m))
+        moved = np.zeros((*residuals.tool.shape, m))
         for entry, run in zip(rest, runs, strict=True):
-            tool[:, :, entry] = self._tool.change(base, run) / _STEP
+            moved[:, :, entry] = tool * self._tool.change(base, run) / _STEP
             if entry in range(m)[parameters.at("mass")]:
                 torque[:, :, entry] = (run.motor_torque - base.motor_torque) / _STEP
-        for block, sensitive in self._tool.by_kinematics().items():
-            tool[:, :, parameters.at(block)] = sensitive
-        return residuals, Columns(torque, tool)
+        for block, sensitive in self._tool.by_kinematics().items() if tool else ():
+            moved[:, :, parameters.at(block)] = sensitive
+        return residuals, Columns(torque, moved)
 
     def _residuals(self, run: Recording) -> Residuals:
         torque = self.cut.motor_torque - run.motor_torque

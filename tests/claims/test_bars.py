@@ -28,8 +28,8 @@ FULL_INSTANCES = {
     "estimation": 10, "estimation-controls": 10, "estimation-gears": 10, "imu-causes": 5,
     "imu-large": 10, "imu-rest": 10, "laser-irb1400": 20, "laser-irb1400-design": 20,
     "laser-irb1400-poses": 20, "estimation-irb1400": 10, "estimation-arms": 2, "long-way": 10,
-    "first-cut": 6, "first-cut-imu": 6, "forecast": 30, "forecast-twin": 6, "imu-twin": 2,
-    "aliens": 12, "robots": 5, "robots-design": 3, "knob-free": 100, "basis-functions": 2,
+    "fast-motion": 10, "first-cut": 6, "first-cut-imu": 6, "forecast": 30, "forecast-twin": 6,
+    "imu-twin": 2, "aliens": 12, "robots": 5, "robots-design": 3, "knob-free": 100, "basis-functions": 2,
     "urdf": 5, "programs": 10, "contest": 10, "contest-robot": 12,
 }  # fmt: skip
 
@@ -136,6 +136,7 @@ BASES: dict[str, list[dict[str, Any]]] = {
     "imu": [IMU] * 10,
     "imu-large": [SMALL] * 2,
     "imu-rest": [AT_REST] * 2,
+    "fast-motion": [ALONG | {"before k = 5": 20.0, "_refused": ""}] * 3,
     "long-way": [ALONG | {"contour": task, "_silent": False} for _ in range(3) for task in TASKS],
     "sweep": [RESUMED] * 2,
     "sweep-memory": [
@@ -283,6 +284,9 @@ BARS = [
     bar("long-way", "estimate k = 5", 14.9, 16.0, "the same: median", 15),
     bar("long-way", "tracker k = 5", 9.9, 11.0, "tracker after five updates over k = 0"),
     bar("long-way", "NEES", 23.9, 24.1, "NEES of the tool, mean of the worst contour"),
+    bar("fast-motion", "estimate k = 5", 49.0, 51.0, "path error after five updates over k = 0"),
+    bar("fast-motion", "estimate k = 5", 19.0, 21.0, "the same: median", 2),
+    bar("fast-motion", "_refused", "", "unexplained", "none is refused that the tracker learns"),
     bar("long-way", "_silent", False, True, "never done while the truth has grown (1 of 15 are)"),
     Bar("sweep", {}, {"on_disk": 27, "known": 28}, "no result on disk is lost"),
     bar("sweep", "computed", 8, 9, "the rest is computed once"),

@@ -183,3 +183,32 @@ def test_a_process_refuses_values_that_do_not_fit(name):
     fields = {"A": np.eye(2), "Q": np.eye(2), "C": C, "R": R}
     with pytest.raises(ValueError, match=f"{name} must have shape"):
         Process(**fields | {name: np.eye(3)})
+
+
+@pytest.mark.parametrize("change", [1e-3, -2e-2])
+def test_a_filter_beside_another_is_that_of_its_process_to_second_order(process, change):
+    """A drive of the noise, the dynamics and the reading that changes a little each."""
+    near = SteadyStateFilter(process)
+    factor = 1.0 + change
+    other = Process(A=process.A * (1.0 - 0.1 * change), Q=process.Q * factor, C=C, R=R / factor)
+    exact, found = SteadyStateFilter(other), near.beside(other)
+    moved = np.abs(exact.gain - near.gain).max() / np.abs(near.gain).max()
+    assert moved > 0.1 * abs(change)  # the one there was is no answer
+    rest = np.abs(found.gain - exact.gain).max() / np.abs(near.gain).max()
+    assert rest < 5.0 * change**2
+
+
+@pytest.mark.parametrize("modes", ["together", "singular", "not finite"])
+def test_a_filter_beside_another_is_solved_anew_where_modes_do_not_serve(modes, monkeypatch):
+    """Three equal modes that are hardly seen, in a chain: eigenvectors fall together."""
+    chain = 0.9 * np.eye(3) + np.eye(3, k=1)
+    one = Process(A=chain, Q=np.eye(3), C=np.eye(1, 3), R=np.array([[1.0]]))
+    near, other = SteadyStateFilter(one), replace(one, Q=1.01 * one.Q)
+    if modes == "singular":
+        monkeypatch.setattr(np.linalg, "eig", lambda F: (np.diag(F), np.ones_like(F)))
+    elif modes == "not finite":
+        monkeypatch.setattr(np.linalg, "eig", lambda F: (np.ones(len(F)), np.eye(len(F))))
+    else:
+        vars(near)["_recursion"] = chain
+    expected = SteadyStateFilter(other).gain
+    np.testing.assert_allclose(near.beside(other).gain, expected, rtol=1e-9)

@@ -85,6 +85,16 @@ def test_a_prediction_error_without_a_finite_value_is_an_error():
         )
 
 
+def test_a_search_does_not_go_on_where_a_derivative_is_missing():
+    """Beside theta[1] = 0 there is nothing; a column of zeros would say it does not matter."""
+
+    def model(theta):
+        return Whitened(np.full((10, 1), theta[0] if theta[1] in (0.0, 1.0) else np.inf), 0.0)
+
+    with pytest.raises(RuntimeError, match="not finite at any start"):
+        estimate_parameters(model, np.zeros(2), np.ones(2), [np.zeros(2)])
+
+
 def test_scales_of_the_noise_are_known_as_well_as_said():
     """y = s w: log s is known to sqrt(1 / (2 N)), and the maximum is at the sample's own scale."""
     n, errors = 200, []

@@ -62,6 +62,13 @@ def test_a_stiff_arm_is_learned_up_to_its_lowest_mode():
     assert law_of(law, lowest_mode=6.0).cutoff == pass_band(1.27) == CUTOFF
 
 
+def test_a_hard_motion_is_learned_up_to_25_hz_on_any_arm():
+    assert [pass_band(1.27, 6.0, excitation) for excitation in (1.9, 2.0)] == [CUTOFF, 25.0]
+    places = PathPlants(plants=(PLANT,), weights=np.ones((9, 1)), lowest_mode=6.0, excitation=2.0)
+    assert ToolLaw(guarded=False).along(places, 1.27).laws[0].cutoff == 25.0
+    assert ToolLaw(guarded=False, cutoff=9.0).along(places, 1.27).laws[0].cutoff == 9.0
+
+
 def test_each_kind_is_its_law():
     optimal = law_of(ToolLaw(kind=ToolLawKind.NORM_OPTIMAL, guarded=False))
     assert isinstance(optimal, RecordOptimal)

@@ -1,13 +1,28 @@
 """The square of four strokes: rest in each corner, within speed and acceleration, and learned."""
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from armside.assets import LARGE_ROBOT_XML
 from armside.sim.laser.experiment import prepare
+from armside.sim.laser.joint_bounds import DRIVE
 from armside.sim.laser.loop import learn
 from armside.sim.laser.specification import Cut
-from armside.sim.laser.strokes import PERIOD, REST_BEFORE, ROBOTS, Strokes, StrokesJob
+from armside.sim.laser.strokes import (
+    PERIOD,
+    REST_BEFORE,
+    ROBOTS,
+    SETTLING,
+    Strokes,
+    StrokesJob,
+    torque_used,
+)
 from armside.sim.motion.timing import PathLimits
+from armside.sim.robot.model import load_model
+from armside.sim.robot.statics import Statics
 from armside.sim.robot_file.find import find_cell
 
 M16IB = "m16ib_like.toml"
@@ -91,3 +106,65 @@ def test_a_run_that_diverges_has_no_numbers_from_there_on(monkeypatch):
     found = StrokesJob(M16IB, "motor", 0, iterations=1).run()["tcp_rms"]
     assert found[0] == 1.0
     assert np.isnan(found[1])
+
+
+@pytest.fixture(scope="module")
+def on_the_large_robot():
+    return prepare(Strokes(pose="p3"))
+
+
+def test_drives_are_strong_enough_for_what_is_planned_and_what_was_lowered_is_noted(
+    on_the_large_robot,
+):
+    """At p3 the wrist would need six times its torque for 12.5 m/s^2."""
+    experiment = on_the_large_robot
+    drives, run = experiment.nominal.drives, experiment.plant.run(0.0 * experiment.loaded.reference)
+    moving = run.recording.time > 0.1
+    torque = np.abs(run.recording.motor_torque[moving]) / drives.torque_limit
+    assert (
+        torque_used(Statics(experiment.nominal), experiment.loaded.reference).max() <= 1.01 * DRIVE
+    )
+    assert (torque > 0.999).mean() < 1e-3  # springs ring a little above the rigid arm
+    speed, acceleration = experiment.cut.notes(experiment.motion)
+    assert speed.text.startswith("the speed is lowered from 1000 to ")
+    text = (
+        r"the acceleration is lowered from 12.5 to [0-9.]+ m/s\^2: drives would need more than 90 "
+    )
+    assert re.match(text, acceleration.text)
+
+
+def test_a_slower_stroke_still_rests_before_the_next(on_the_large_robot):
+    starts = [leg.start for leg in on_the_large_robot.motion.legs]
+    ends = [leg.start + leg.timing.duration for leg in on_the_large_robot.motion.legs]
+    assert np.subtract(starts[1:], ends[:-1]) == pytest.approx(SETTLING)
+
+
+def test_a_drive_too_weak_at_any_pace_is_named(on_the_large_robot):
+    """Drive 2 with a limit that its arm's weight alone takes up."""
+    experiment = on_the_large_robot
+    needed = torque_used(Statics(experiment.nominal), experiment.loaded.reference, slowest=True)
+    limit = experiment.nominal.drives.torque_limit.copy()
+    limit[1] *= needed[1] / 0.95
+    drives = replace(experiment.nominal.drives, torque_limit=limit)
+    weak = Statics(replace(experiment.nominal, drives=drives))
+    with pytest.raises(ValueError, match=r"^drive 2 needs 9[456] % of its torque however slow"):
+        experiment.cut.planned(weak)
+
+
+def test_the_torque_of_a_reference_is_that_of_its_rigid_arm():
+    """Axis 1 alone, which carries no gravity, at M times phi''."""
+    statics = Statics(load_model(LARGE_ROBOT_XML))
+    time = np.arange(0.0, 1.0, 0.004)
+    start = prepare(Strokes()).loaded.reference[0]
+    phi = np.tile(start, (len(time), 1))
+    phi[:, 0] += 0.4 * np.sin(np.pi * time) ** 4
+    still, moving = (torque_used(statics, each).max() for each in (0.0 * phi + start, phi))
+    assert still < 0.5 * moving  # gravity alone
+    drives, n = statics.model.drives, statics.model.n_axes
+    mass = statics.rigid_forces(start[None], np.zeros((1, n)), np.eye(1, n))
+    mass = mass - statics.rigid_forces(start[None], np.zeros((1, n)), np.zeros((1, n)))
+    peak = np.abs(np.gradient(np.gradient(phi[:, 0], time), time)).max()
+    inertia = abs(float(statics.motor_torque(mass)[0, 0]))
+    limit = abs(drives.gear[0]) * drives.torque_limit[0]
+    friction = drives.coulomb_friction[0] / drives.torque_limit[0]
+    assert moving == pytest.approx(inertia * peak / limit, abs=1.5 * friction + 0.05)

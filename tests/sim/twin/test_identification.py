@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from armside.sim.robot.individual import embodied, structure_hinges
-from armside.sim.twin.identification import Group, Solving
+from armside.sim.twin.identification import Group, Identification, Solving
 from armside.sim.twin.parameters import FRICTION as OF_FRICTION
 from armside.sim.twin.parameters import MASS, Parameters
 from armside.sim.twin.recordings import measured
@@ -99,3 +99,23 @@ def test_bounds_of_torque_parameters_leave_three_standard_deviations_to_either_s
     assert 3.0 * block.prior <= min(block.upper, -block.lower)
     if block is not MASS and np.isfinite(block.upper):
         assert block.prior == OF_FRICTION[0].prior
+
+
+def test_the_first_step_simulates_what_torque_depends_on_alone(around):
+    """Its solution reads no sensitivity of the tool."""
+    against, theta, _, whole = around
+    _, of_torque = against.linearised(theta, tool=False)
+    np.testing.assert_array_equal(of_torque.torque, whole.torque)
+    assert not of_torque.tool.any()
+
+
+def test_the_covariance_is_that_of_the_last_step():
+    assert max(Identification().linearised) == Identification().steps - 1
+
+
+@pytest.mark.parametrize(
+    ("steps", "linearised", "first"), [(6, (0, 1), False), (6, (0, 3), True), (1, (0, 1), True)]
+)
+def test_the_first_step_knows_the_tool_unless_the_second_looks_anew(steps, linearised, first):
+    cfg = Identification(steps=steps, linearised=linearised)
+    assert [cfg.of_tool(step) for step in range(2)] == [first, True]
