@@ -35,7 +35,7 @@ from ..laser.experiment import Experiment
 from ..robot.individual import Individual
 from .correction import learn_in_twin, twin_error
 from .parameters import Parameters
-from .recordings import SensorName
+from .recordings import TwinSensor
 from .simulation import RobotDesign, motor_path
 
 WIDER = 4.0
@@ -61,9 +61,11 @@ def is_identified(parameters: Parameters, covariance: Array) -> np.ndarray:
     return np.sqrt(np.diag(covariance)) <= _IDENTIFIED * parameters.standard_deviation
 
 
-_FACTORS: Mapping[SensorName, Mapping[int, tuple[float, float, float]]] = {
+_FACTORS: Mapping[TwinSensor, Mapping[int, tuple[float, float, float]]] = {
     "tracker": {10: (0.53, 1.0, 1.7), 4: (0.36, 0.84, 1.42), 2: (0.24, 0.5, 0.94)},
     "imu": {10: (0.57, 1.0, 1.92)},
+    "scan": {8: (0.57, 1.0, 1.92)},
+    "imu and scan": {12: (0.57, 1.0, 1.92)},
 }
 """Lower end of the interval of 90 %, expected error and upper end, over r; by the sensor and the
 number of cuts that the twin was identified from."""
@@ -73,7 +75,7 @@ number of cuts that the twin was identified from."""
 class Evidence:
     """What a twin was identified from, and what it leaves of a cut that it was not."""
 
-    sensor: SensorName
+    sensor: TwinSensor
     n_cuts: int
     residual: float
     """[m]."""

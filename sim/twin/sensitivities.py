@@ -6,7 +6,7 @@ less that of the motor angles, to springs, lost motion and masses by simulation,
 geometry by kinematics.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -74,7 +74,7 @@ class Against:
 
     def residuals(self, theta: Array) -> Residuals:
         """Residuals against one twin."""
-        return self._residuals(next(self._simulated([theta])))
+        return self._residuals(next(self._simulated([theta])), theta)
 
     def linearised(self, theta: Array) -> tuple[Residuals, Columns]:
         """Residuals against one twin, and their sensitivities around it."""
@@ -99,7 +99,7 @@ class Against:
             change = (run.motor_torque - base.motor_torque) / _STEP
             for axis in range(N_AXES):
                 torque[:, axis, first + axis * parts] = change[:, axis]
-        residuals = self._residuals(base)
+        residuals = self._residuals(base, theta)
         tool = np.zeros((*residuals.tool.shape, m))
         for entry, run in zip(rest, runs, strict=True):
             tool[:, :, entry] = self._tool.change(base, run) / _STEP
@@ -109,6 +109,14 @@ class Against:
             tool[:, :, parameters.at(block)] = sensitive
         return residuals, Columns(torque, tool)
 
-    def _residuals(self, run: Recording) -> Residuals:
+    def _residuals(self, run: Recording, theta: Array) -> Residuals:
         torque = self.cut.motor_torque - run.motor_torque
-        return Residuals(torque, self._tool.residual(run), self.cut.moving)
+        tool = self._tool.residual(run)
+        for block in self.sensor.own(self.cut):
+            tool = tool - self._own[block.name] @ theta[self.parameters.at(block.name)]
+        return Residuals(torque, tool, self.cut.moving)
+
+    @cached_property
+    def _own(self) -> Mapping[str, Array]:
+        """Columns of what is unknown of the sensor, which no simulation depends on."""
+        return self._tool.by_kinematics()
