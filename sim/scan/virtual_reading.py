@@ -13,12 +13,10 @@ import numpy as np
 from armside.arrays import Array
 
 from ..evaluation.kerf import kerf
-from ..evaluation.tool_error import STEPS
+from ..evaluation.tool_error import CONVERGED, STEPS, signed_distance
 from ..motion.contour import ClosedCurve, outward_normal
-from .reading import ScannedContour, SheetScan
-
-BIN = 0.2e-3
-"""[m], of the arc length."""
+from .placement import Pose, rigid_step
+from .reading import BEAM, BIN, ScannedContour, SheetScan
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,18 +69,21 @@ def virtual_scan(
     rng: np.random.Generator,
     errors: ScanErrors = CALIBRATED,
     *,
-    beam: float = 0.2e-3,
+    unit: np.random.Generator | None = None,
+    beam: float = BEAM,
     beam_measured: bool = True,
 ) -> SheetScan:
     """The reading of a sheet, its contours in the order in which they were cut.
 
+    rng: of what differs from part to part. unit: of scanner and beam, which stay; `rng` if None.
     beam: diameter [m] that is taken off. beam_measured: an open kerf shows the diameter.
     """
-    width = 0.0 if beam_measured else errors.beam * rng.standard_normal()
-    scale = errors.scale * rng.standard_normal(2)
-    skew = errors.skew * rng.standard_normal()
-    wobble = _wobble(rng, errors)
-    placed, place = placement([(one.curve, one.middle, one.path) for one in cut.values()])
+    unit = unit or rng
+    width = 0.0 if beam_measured else errors.beam * unit.standard_normal()
+    scale = errors.scale * unit.standard_normal(2)
+    skew = errors.skew * unit.standard_normal()
+    wobble = _wobble(unit, errors)
+    placed, _ = placement([(one.curve, one.middle, one.path) for one in cut.values()])
     drift = _drift(rng, len(cut), errors.drift)
     found = dict[str, tuple[Array, Array]]()
     for i, (name, one) in enumerate(cut.items()):
@@ -99,19 +100,24 @@ def virtual_scan(
         white = np.hypot(errors.roughness * np.sqrt(0.5), errors.image)
         found[name] = s, d + white * rng.standard_normal(len(s))
     shapes = [
-        (one.curve, one.middle, one.curve.point(s) + d[:, None] * _normals(one.curve, s) + one.middle)
+        (
+            one.curve,
+            one.middle,
+            one.curve.point(s) + d[:, None] * _normals(one.curve, s) + one.middle,
+        )
         for one, (s, d) in zip(cut.values(), found.values(), strict=True)
     ]
-    again, second = placement(shapes)
+    again, pose = placement(shapes)
     noise = float(np.hypot(errors.edge, white))
     contours = {
-        name: ScannedContour(arc_length=s, deviation=_across(one, points), noise=noise)
+        name: ScannedContour(
+            arc_length=s, deviation=signed_distance(one.curve, points - one.middle), noise=noise
+        )
         for (name, (s, _)), one, points in zip(found.items(), cut.values(), again, strict=True)
     }
-    x, y, angle = place + second
     return SheetScan(
         contours=contours,
-        placement=(float(x), float(y), float(angle)),
+        placement=(pose.x, pose.y, pose.angle),
         beam=beam,
         beam_measured=beam_measured,
         scale=errors.scale,
@@ -120,39 +126,27 @@ def virtual_scan(
 
 def placement(
     sheet: Sequence[tuple[ClosedCurve, tuple[float, float], Array]],
-) -> tuple[list[Array], Array]:
+) -> tuple[list[Array], Pose]:
     """Points (N, 2) of each contour after the rigid motion that fits all of them to the drawing
-    together, by Gauss-Newton; and what places the drawing there, x, y [m] and angle [rad].
+    together, by Gauss-Newton; and where the drawing was among them.
 
     sheet: of each contour its curve, its middle on the drawing, and its points [m].
     """
     points = [np.array(each, dtype=np.float64) for _, _, each in sheet]
-    rotation, shift = np.eye(2), np.zeros(2)
+    pose = Pose(0.0, 0.0, 0.0)
     for _ in range(STEPS):
-        rows, right = [], []
-        for (curve, middle, _), p in zip(sheet, points, strict=True):
+        normals, off, at = list[Array](), list[Array](), list[Array]()
+        for (curve, middle, _), each in zip(sheet, points, strict=True):
+            p = pose.to_drawing(each)
             s = curve.nearest(p - middle)
-            normal = _normals(curve, s)
-            lever = p[:, 0] * normal[:, 1] - p[:, 1] * normal[:, 0]
-            rows.append(np.column_stack([normal, lever]) / np.sqrt(len(p)))
-            off = np.einsum("ij,ij->i", p - middle - curve.point(s), normal)
-            right.append(-off / np.sqrt(len(p)))
-        step, *_ = np.linalg.lstsq(np.concatenate(rows), np.concatenate(right), rcond=1e-6)
-        c, s = np.cos(step[2]), np.sin(step[2])
-        turn = np.array([[c, -s], [s, c]])
-        points = [p @ turn.T + step[:2] for p in points]
-        rotation, shift = turn @ rotation, turn @ shift + step[:2]
-        if np.abs(step).max() < 1e-12:
+            normals.append(_normals(curve, s) @ pose.matrix.T)
+            off.append(signed_distance(curve, p - middle))
+            at.append(p @ pose.matrix.T)
+        step = rigid_step(np.vstack(at), np.vstack(normals), np.concatenate(off))
+        pose = pose.moved(step)
+        if np.abs(step).max() < CONVERGED:
             break
-    back = -rotation.T @ shift
-    return points, np.array([*back, -np.arctan2(rotation[1, 0], rotation[0, 0])])
-
-
-def _across(one: BeamPath, points: Array) -> Array:
-    """(N,) [m], signed distance of placed points from the drawn contour."""
-    p = points - one.middle
-    s = one.curve.nearest(p)
-    return np.asarray(np.einsum("ij,ij->i", p - one.curve.point(s), _normals(one.curve, s)))
+    return [pose.to_drawing(each) for each in points], pose
 
 
 def _normals(curve: ClosedCurve, s: Array) -> Array:

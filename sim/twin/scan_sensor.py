@@ -20,22 +20,16 @@ import numpy as np
 
 from armside.arrays import Array
 
-from ..evaluation.tool_error import fit
-from ..motion.contour import ClosedCurve, outward_normal
+from ..motion.contour import outward_normal
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
 from ..robot.virtual_robot import LOG_PERIOD
+from ..scan.shape import LARGEST, Shape, scanned_shape, shape, taken_off, usable
 from .parameters import Block
 from .recordings import ImplausibleError, MeasuredCut, ScannedCut
 from .simulation import motor_path
 from .tool_sensor import ToolSensor, gear_waves, jacobians, rigid_path
 
-HELD = 0.4e-3
-"""[m], of both ends of a contour, that two passes of the beam have swept, or none."""
-_GAP = 0.5e-3
-"""[m], between readings, within which the scan says nothing."""
-_LARGEST = 1e-3
-"""[m], of a deviation after placement: elasticity is a fifth of it. ESTIMATE."""
 _PLACE, _TURN = 10e-3, 10e-3
 """[m], [rad], of the sheet from where the robot's base has it. ESTIMATE."""
 _BEAM, _MEASURED_BEAM = 5e-6, 2e-6
@@ -59,47 +53,16 @@ def sheet_blocks(cut: MeasuredCut) -> tuple[Block, ...]:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Shape:
-    """A contour as cut, about its drawn middle: what is left after a rigid motion, and that."""
-
-    arc_length: Array
-    deviation: Array
-    """(M,) [m], after the motion."""
-    motion: Array
-    """(3,), x, y [m] and angle [rad] that the motion has taken off."""
-
-    def at(self, s: Array, length: float) -> Array:
-        """Deviation at arc lengths (K,) of a contour of that length."""
-        return np.asarray(np.interp(s, self.arc_length, self.deviation, period=length))
-
-
-def _shape(curve: ClosedCurve, points: Array) -> _Shape:
-    found = fit(curve, points)
-    p, mean = found.points, points.mean(axis=0)
-    a, b = p - p.mean(axis=0), points - mean
-    angle = np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), np.vdot(a, b))
-    c, s = np.cos(angle), np.sin(angle)
-    shift = mean - np.array([[c, -s], [s, c]]) @ p.mean(axis=0)
-    return _Shape(curve.nearest(p), found.deviation, np.array([*shift, angle]))
-
-
-def _taken_off(curve: ClosedCurve, s: Array) -> Array:
-    """(M, 3), deviation by a motion (x, y, angle) about the middle of the contour."""
-    p, n = curve.point(s), outward_normal(curve.tangent(s))
-    return np.column_stack([n, p[:, 0] * n[:, 1] - p[:, 1] * n[:, 0]])
-
-
 def check_scanned(model: RobotModel, cut: MeasuredCut) -> None:
     """Raise ImplausibleError for a cut without a scan, or one that is of something else."""
     if cut.scan is None:
         raise ImplausibleError(f"{cut.name} is not on the scanned sheet")
     comparison = ScanComparison(model, cut)
     largest = float(np.abs(comparison.scanned.deviation).max())
-    if largest > _LARGEST:
+    if largest > LARGEST:
         raise ImplausibleError(
             f"{cut.name}: the scanned contour is up to {1e3 * largest:.3g} mm from its drawing "
-            f"after placement, more than {1e3 * _LARGEST:g} mm: another contour, or another unit"
+            f"after placement, more than {1e3 * LARGEST:g} mm: another contour, or another unit"
         )
     if len(comparison.rows) < 3:
         raise ImplausibleError(f"{cut.name}: the scan has no place where the beam was on")
@@ -118,11 +81,9 @@ class ScanComparison:
         return self.cut.scan
 
     @cached_property
-    def scanned(self) -> _Shape:
+    def scanned(self) -> Shape:
         """The scanned contour."""
-        s, curve = self.seen.contour.arc_length, self.seen.curve
-        off = self.seen.contour.deviation[:, None] * outward_normal(curve.tangent(s))
-        return _shape(curve, curve.point(s) + off)
+        return scanned_shape(self.seen.curve, self.seen.contour)
 
     @cached_property
     def _on(self) -> np.ndarray:
@@ -135,17 +96,12 @@ class ScanComparison:
     def rows(self) -> np.ndarray:
         """Of the samples on the contour those whose foot the scan has seen, by the motors' path
         fitted to the contour; its ends are held out."""
-        s, seen, length = self._foot, np.sort(self.scanned.arc_length), self.seen.curve.length
-        from_ends = np.abs((s[:, None] - s[[0, -1]] + 0.5 * length) % length - 0.5 * length)
-        after = np.clip(np.searchsorted(seen, s), 1, len(seen) - 1)
-        gap = seen[after] - seen[after - 1]
-        inner = (from_ends > HELD).all(axis=1)
-        return np.flatnonzero(inner & (gap < _GAP) & (s > seen[0]) & (s < seen[-1]))
+        return np.flatnonzero(usable(self.seen.curve, self.scanned, self._foot))
 
     @cached_property
     def _foot(self) -> Array:
         path = rigid_path(self.model, self.cut.motor_angle[self._on])
-        return _shape(self.seen.curve, self._in_plane(path)).arc_length
+        return shape(self.seen.curve, self._in_plane(path)).arc_length
 
     @cached_property
     def _normal(self) -> Array:
@@ -161,10 +117,10 @@ class ScanComparison:
         curve, scanned = self.seen.curve, self.scanned
         J = jacobians(self.model, self.cut.motor_angle[self._on])[0]
         moved = np.einsum("kij,kj->ki", J, (self.cut.motor_angle - motor_path(run))[self._on])
-        made = _shape(curve, self._in_plane(_tool(run)[self._on] + moved))
+        made = shape(curve, self._in_plane(_tool(run)[self._on] + moved))
         s, apart = self._foot[self.rows], scanned.motion - made.motion
         left = scanned.at(s, curve.length) - made.at(s, curve.length)
-        return (left + _taken_off(curve, s) @ apart)[:, None]
+        return (left + taken_off(curve, s) @ apart)[:, None]
 
     def change(self, base: Recording, run: Recording) -> Array:
         on = self._on[self.rows]
