@@ -101,8 +101,8 @@ def scanned(
     name: str,
     contours: Mapping[str, CouponContour],
     scan: SheetScan,
-    made: Cut,
     contour_time: tuple[float, float],
+    place: tuple[float, float, float] = PLACE,
 ) -> MeasuredCut:
     """A recorded cut of the coupon with what the scan says of its contour."""
     one, names = contours[name], list(contours)
@@ -110,7 +110,7 @@ def scanned(
         contour=scan.contours[name],
         curve=one.curve,
         middle=np.array(one.middle),
-        plane=made.plane,
+        plane=coupon_cut(one, place).plane,
         contour_time=contour_time,
         clockwise=one.clockwise,
         number=names.index(name),

@@ -97,6 +97,13 @@ class FirstCutPrediction:
     """The interval was fitted to twins like this one."""
 
 
+def factors(evidence: Evidence) -> tuple[float, float, float]:
+    """Lower end, expectation and upper end over r."""
+    known = _FACTORS[evidence.sensor]
+    # Of the largest number of cuts that is not above this twin's; of the most below all.
+    return known[max((n for n in known if n <= evidence.n_cuts), default=max(known))]
+
+
 def predicted(
     uncorrected: float, inside: float, around: Array, evidence: Evidence
 ) -> FirstCutPrediction:
@@ -104,9 +111,7 @@ def predicted(
     spread = max(float(np.mean(around**2)) - inside**2, 0.0)
     variance = inside**2 + _SPREAD**2 * spread + (_RESIDUAL * evidence.residual) ** 2
     known, r = _FACTORS[evidence.sensor], float(np.sqrt(variance))
-    # Of the largest number of cuts that is not above this twin's; of the most below all.
-    fitted = max((n for n in known if n <= evidence.n_cuts), default=max(known))
-    low, middle, high = known[fitted]
+    low, middle, high = factors(evidence)
     return FirstCutPrediction(
         uncorrected=uncorrected,
         inside=inside,
