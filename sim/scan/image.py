@@ -218,11 +218,11 @@ class Edge(NamedTuple):
     """Part of the expected edge that lies outside of the image, or within its margin."""
 
 
-def edge_near(image: ScanImage, expected: Array, outwards: Array, *, narrow: bool = False) -> Edge:
+def edge_near(image: ScanImage, expected: Array, outwards: Array, *, narrow: float = 0.0) -> Edge:
     """Edge at half grey near an expected one.
 
     expected, outwards: (N, 2) [m], points in order, and the unit normals that lead out. narrow:
-    what lies inside is a kerf, whose grey is that of its middle.
+    what lies inside is a kerf or line, whose grey is taken at that depth [m], its middle.
     """
     n = max(1, round(float(np.linalg.norm(np.diff(expected, axis=0), axis=1).sum()) / PIECE))
     found, insides, outsides = list[Array](), list[float](), list[float]()
@@ -234,7 +234,7 @@ def edge_near(image: ScanImage, expected: Array, outwards: Array, *, narrow: boo
     beyond = np.mean((x < margin) | (y < margin) | (x > w - margin) | (y > h - margin))
     tree = KDTree(expected)
     for of in np.array_split(np.arange(len(expected)), n):
-        depths = [0.1e-3] if narrow else np.linspace(near, far, 4)
+        depths = [narrow] if narrow else np.linspace(near, far, 4)
         inner = np.concatenate([image.at(expected[of] - d * outwards[of]) for d in depths])
         outer = np.concatenate(
             [image.at(expected[of] + d * outwards[of]) for d in np.linspace(near, far, 4)]

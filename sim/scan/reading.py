@@ -138,10 +138,14 @@ def _read(
         moved = shifts[int(np.argmin(apart))]
         for sign in (1, -1) if contour.seen is Seen.KERF else (contour.seen.value,):
             expected, normal = contour.edge(SPACING, 0.5 * (beam or BEAM) * sign)
-            narrow = contour.seen is Seen.KERF
-            out = (sign if narrow else 1) * normal @ pose.matrix.T
+            is_kerf = contour.seen is Seen.KERF
+            out = (sign if is_kerf else 1) * normal @ pose.matrix.T
             at = pose.to_image(expected) + moved
-            sides.append(_Side(contour, sign, edge_near(image, at, out, narrow=narrow)))
+            sides.append(
+                _Side(
+                    contour, sign, edge_near(image, at, out, narrow=0.5 * BEAM if is_kerf else 0.0)
+                )
+            )
     _check(sides)
     points = [side.edge.points for side in sides]
     if calibration is not None:

@@ -197,6 +197,25 @@ class Sheet:
     """Dust: place x, y, radius [m] in the image, and grey."""
 
 
+def grid(pitch: float, cells: tuple[int, int], width: float = 0.1e-3) -> Sheet:
+    """Glass with dark lines `pitch` [m] apart around a number of cells in x and y, from (0, 0)."""
+    n = 200  # points along a side: straight ones, that a scanner bends
+    side = np.linspace(0.5 * width, pitch - 0.5 * width, n)
+    low, high = np.full(n, side[0]), np.full(n, side[-1])
+    cell = np.vstack(
+        [
+            np.column_stack(xy)
+            for xy in ((side, low), (high, side), (side[::-1], high), (low, side[::-1]))
+        ]
+    )
+    at = pitch * np.array([(i, j) for i in range(cells[0]) for j in range(cells[1])])
+    # Around the lines lies glass again: a frame of dark lines on bright ground.
+    rim = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * pitch * cells + 0.5 * width * np.array(
+        [[-1, -1], [1, -1], [1, 1], [-1, 1]]
+    )
+    return Sheet(regions=[(rim, False), *((cell + p, True) for p in at)], material=210.0)
+
+
 def scanned(
     sheet: Sheet,
     scanner: Scanner,
@@ -229,6 +248,7 @@ def scanned(
     part = np.array(cover, dtype=np.float32)
     # Where edges are, exactly.
     crossings = [_crossings(polygon) for polygon in seen]
+    boxes = [(polygon.min(axis=0), polygon.max(axis=0)) for polygon in seen]
     n_tiles = -(-np.array([rows, columns]) // TILE)
     near = np.vstack([polygon[:, ::-1] + at for polygon in seen for at in (-MARGIN, MARGIN)])
     for i, j in np.unique(near // TILE, axis=0).astype(int):
@@ -237,7 +257,9 @@ def scanned(
         top, left = i * TILE - MARGIN, j * TILE - MARGIN
         wide = TILE + 2 * MARGIN
         cells = np.full((wide * FINE, wide * FINE), float(sheet.everywhere), dtype=np.float32)
-        for (_, material), crossing in zip(sheet.regions, crossings, strict=True):
+        for (_, material), crossing, box in zip(sheet.regions, crossings, boxes, strict=True):
+            if not (box[0] < (left + wide, top + wide)).all() or not (box[1] > (left, top)).all():
+                continue
             inside = _inside(crossing, top * FINE, left * FINE, wide * FINE)
             if inside is not None:
                 cells += inside * (material - cells)
@@ -273,7 +295,7 @@ def _inside(crossings: Array, top: int, left: int, n: int) -> NDArray[np.float32
     first, last = np.searchsorted(crossings[:, 0], (top, top + n))
     row, x, sign = crossings[first:last].T
     row, x = (row - top).astype(int), np.clip(x - left, 0.0, n)
-    if not len(x) or x.min() >= n:
+    if not len(x):
         return None
     column = x.astype(int)
     change = np.zeros((n, n + 2))

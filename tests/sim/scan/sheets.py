@@ -1,8 +1,11 @@
 """A small virtual sheet with a mark and an open kerf, and what was cut in truth."""
 
 from collections.abc import Collection, Mapping
+from pathlib import Path
 
+import ezdxf
 import numpy as np
+from PIL import Image
 
 from armside.sim.motion.contour import ClosedCurve, outward_normal
 from armside.sim.part.arcs import MM, arc, line
@@ -91,3 +94,27 @@ def image(
     turned = np.array([[c, -s], [s, c]]) @ (middle * [-1.0 if mirrored else 1.0, 1.0])
     x, y = 0.5 * np.array(size) - turned
     return scanned(sheet, scanner, size, rng, place=(float(x), float(y), angle), mirrored=mirrored)
+
+
+def save(seen: ScanImage, file: Path) -> Path:
+    """The image as a scanner's program stores it."""
+    Image.fromarray(seen.grey).save(file, dpi=seen.dpi)
+    return file
+
+
+def drawing_file(file: Path, drawing: Mapping[str, ClosedCurve] = DRAWING) -> Path:
+    """Circles, polygons and lines as a DXF in mm."""
+    document = ezdxf.new(units=4)
+    space = document.modelspace()
+    for curve in drawing.values():
+        assert isinstance(curve, ChainCurve)
+        points = curve.chain.points / MM
+        if curve.chain.bulge.any():
+            middle, radius = points[:2].mean(axis=0), 0.5 * np.linalg.norm(points[1] - points[0])
+            space.add_circle(tuple(middle), float(radius))
+        else:
+            space.add_lwpolyline(
+                points.tolist()[: -1 if curve.chain.closed else None], close=curve.chain.closed
+            )
+    document.saveas(file)
+    return file
