@@ -1,12 +1,12 @@
 """The cut part as measured output: deviation of the beam across each contour, by a scan.
 
-    e(t) = -n(s) (d(s) + n(s)^T m)        s(t): foot of the motors' rigid path on the contour
+    e(t) = -n(s) (d(s) + n(s)^T m)        s(t): foot on the contour of the path that is expected
 
-d is the deviation of the scan after a fit of its own, m the motion by which the motors' path, which
-is fitted to the contour first, is beside it. Along the path and in height a scan sees nothing, and
-the error is zero. On the leads, and within `HELD` of both ends, what the tool deviates beyond its
-motors fades to zero at rest. Without an IMU the springs of the law are those that explain the first
-scan.
+The path by motors and springs is fitted to the contour first; m is the motion by which it is beside
+it, d the deviation of the scan after a fit of its own. Along the path and in height a scan sees
+nothing, and the error is zero. On the leads, and within `HELD` of both ends, what the tool deviates
+beyond the expected path fades to zero at rest. Without an IMU the springs, of the path and of the
+law, are those that explain the first scan.
 """
 
 import zlib
@@ -46,8 +46,6 @@ from ..scan.virtual_reading import CALIBRATED, BeamPath, ScanErrors, virtual_sca
 from .experiment import Experiment, Pass
 from .measures import SetUp
 
-CUTOFF = 7.0
-"""[Hz], of Q: above it corners of a scan are as much noise as tool. On seeds of the trial."""
 GAINS = (1.0, 0.78, 0.56, 0.44, 0.33)
 """Over 0.9: 0.9, 0.7, 0.5, 0.4, 0.3, as noise comes to outweigh the error. Of the trial."""
 _SLOPE = 25
@@ -127,7 +125,7 @@ class ScannedPart:
     """Deviation across the contours by a scan of each part, and a law on identified springs."""
 
     scans: Scans = field(default_factory=VirtualScans)
-    law: ToolLaw = field(default_factory=lambda: ToolLaw(cutoff=CUTOFF, gains=GAINS))
+    law: ToolLaw = field(default_factory=lambda: ToolLaw(gains=GAINS))
     parameters: ArmParameters | None = None
     """Of this robot, identified earlier; None identifies springs from the first scan."""
     imu: ImuCfg | None = None
@@ -151,18 +149,19 @@ class ScannedPart:
             cfg = Commissioning(on_fault=OnFault.REFUSE if self.imu else OnFault.GO_ON)
             unit = self.imu or ImuCfg()
             known = commission(robot, arm, unit, log, first.imu, cfg, self.parameters)
-            return ScanOutput(self, experiment, arm, known.plants)
+            found = known.parameters.springs if known.fault is None or self.parameters else None
+            return ScanOutput(self, experiment, arm, known.plants, found)
         motion, nominal = (
             rigid_motion(arm, log.time, log.motor_angle),
             nominal_elasticity(robot, arm),
         )
         if not self.identified:
             plants = plants_along(robot, motion, nominal.on_rigid_structure, identified=False)
-            return ScanOutput(self, experiment, arm, plants)
+            return ScanOutput(self, experiment, arm, plants, None)
         scan = self.scans(experiment, first)
         springs = springs_by_scan(motion, nominal, Seen.of(experiment, scan, log.time), self.prior)
         plants = plants_along(robot, motion, springs, identified=False)
-        return ScanOutput(self, experiment, arm, plants)
+        return ScanOutput(self, experiment, arm, plants, springs)
 
 
 @dataclass(frozen=True, eq=False)
@@ -264,6 +263,8 @@ class ScanOutput:
     experiment: Experiment
     arm: NominalArm
     plants: PathPlants
+    springs: Elasticity | None
+    """None where nothing is known of them: the arm is taken to be rigid."""
 
     @cached_property
     def reference(self) -> Array:
@@ -288,22 +289,22 @@ class ScanOutput:
 
     def _deviation(self, seen: Seen, motor_angle: Array) -> Array:
         """(N, 3) [m], of the tool across the path."""
-        rigid = self._rigid(motor_angle)
-        d, normal = self._of_motors(rigid)
+        expected = self._expected(motor_angle)
+        d, normal = self._off_path(expected)
         beyond, there = np.zeros(len(d)), np.zeros(len(d), dtype=bool)
         for one, made, on in zip(seen.places, seen.shapes, seen.on, strict=True):
-            path = shape(one.curve, one.plane.from_base(rigid[on])[:, :2])
+            path = shape(one.curve, one.plane.from_base(expected[on])[:, :2])
             rows = usable(one.curve, made, path.arc_length)
             s, at = path.arc_length[rows], on[rows]
             n = outward_normal(one.curve.tangent(s)) @ one.plane.axes[:, :2].T
             normal[at] = n
             wanted = made.at(s, one.curve.length) + taken_off(one.curve, s) @ path.motion
-            d_motors = path.deviation[rows] + taken_off(one.curve, s) @ path.motion
-            beyond[at], d[at], there[at] = wanted - d_motors, d_motors, True
+            off = path.deviation[rows] + taken_off(one.curve, s) @ path.motion
+            beyond[at], d[at], there[at] = wanted - off, off, True
         return (d + self._faded(beyond, there))[:, None] * normal
 
     def _faded(self, beyond: Array, there: np.ndarray) -> Array:
-        """Beyond the motors (N,): interpolated between places, and to zero where the tool rests."""
+        """What is beyond (N,), interpolated between places, and to zero where the tool rests."""
         v = np.linalg.norm(np.gradient(self.experiment.programmed, axis=0), axis=1)
         at_rest = v < 1e-9
         known = np.flatnonzero(there | at_rest)
@@ -314,22 +315,22 @@ class ScanOutput:
         w = 0.5 - 0.5 * np.cos(np.pi * w)
         return (1.0 - w) * beyond[i] + w * beyond[j]
 
-    def _rigid(self, motor_angle: Array) -> Array:
-        """(N, 3) [m], tool of the arm without deflection, from its programmed place at rest."""
+    def _expected(self, motor_angle: Array) -> Array:
+        """(N, 3) [m], tool by motors and springs, from its programmed place at rest."""
         motion = rigid_motion(self.arm, LOG_PERIOD * np.arange(len(motor_angle)), motor_angle)
-        return self.experiment.programmed[0] + _tool(motion, None)
+        return self.experiment.programmed[0] + _tool(motion, self.springs)
 
-    def _of_motors(self, rigid: Array) -> tuple[Array, Array]:
+    def _off_path(self, path: Array) -> tuple[Array, Array]:
         """Deviation (N,) [m] of a path across the programmed one, and normals (N, 3)."""
         programmed, up = self.experiment.programmed, self.experiment.cut.plane.axes[:, 2]
         rate = np.gradient(programmed, axis=0)
         speed = np.linalg.norm(rate, axis=1)
         tangent = rate / np.maximum(speed, 1e-12)[:, None]
         across = np.cross(tangent, up)
-        n = len(rigid)
+        n = len(path)
         near = np.clip(np.arange(n)[:, None] + np.arange(-_SLOPE, _SLOPE + 1), 0, n - 1)
-        away = np.linalg.norm(rigid[:, None] - programmed[near], axis=2)
+        away = np.linalg.norm(path[:, None] - programmed[near], axis=2)
         away[speed[near] < 1e-9] = np.inf
         foot = near[np.arange(n), away.argmin(axis=1)]
-        d = np.einsum("ij,ij->i", rigid - programmed[foot], across[foot])
+        d = np.einsum("ij,ij->i", path - programmed[foot], across[foot])
         return np.where(speed > 1e-9, d, 0.0), across[foot]

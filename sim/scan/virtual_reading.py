@@ -85,7 +85,7 @@ def virtual_scan(
     wobble = _wobble(unit, errors)
     placed, _ = placement([(one.curve, one.middle, one.path) for one in cut.values()])
     drift = _drift(rng, len(cut), errors.drift)
-    found = dict[str, tuple[Array, Array]]()
+    found, white = dict[str, Array](), 0.0
     for i, (name, one) in enumerate(cut.items()):
         edge = kerf(one.curve, placed[i] - one.middle, beam, closed=False)
         seen = np.isfinite(edge.outer)
@@ -94,26 +94,17 @@ def virtual_scan(
         at = one.curve.point(s) + one.middle
         half = width + errors.from_cut_to_cut * rng.standard_normal()
         half += drift[i] + (0.5 if one.clockwise else -0.5) * errors.direction
-        moved = at * scale + np.column_stack([skew * at[:, 1], np.zeros(len(at))]) + wobble(at)
-        d = d + 0.5 * half + np.einsum("ij,ij->i", normal, moved)
-        d += _correlated(rng, s, errors.edge, errors.edge_correlation)
+        d = d + 0.5 * half + _correlated(rng, s, errors.edge, errors.edge_correlation)
         white = np.hypot(errors.roughness * np.sqrt(0.5), errors.image)
-        found[name] = s, d + white * rng.standard_normal(len(s))
-    shapes = [
-        (
-            one.curve,
-            one.middle,
-            one.curve.point(s) + d[:, None] * _normals(one.curve, s) + one.middle,
-        )
-        for one, (s, d) in zip(cut.values(), found.values(), strict=True)
-    ]
-    again, pose = placement(shapes)
+        d += white * rng.standard_normal(len(s))
+        seen_at = at + d[:, None] * normal
+        skewed = np.column_stack([skew * seen_at[:, 1], np.zeros(len(at))])
+        found[name] = seen_at * (1.0 + scale) + skewed + wobble(seen_at)
+    again, pose = placement([(one.curve, one.middle, found[name]) for name, one in cut.items()])
     noise = float(np.hypot(errors.edge, white))
     contours = {
-        name: ScannedContour(
-            arc_length=s, deviation=signed_distance(one.curve, points - one.middle), noise=noise
-        )
-        for (name, (s, _)), one, points in zip(found.items(), cut.values(), again, strict=True)
+        name: _read(one, points, noise)
+        for (name, one), points in zip(cut.items(), again, strict=True)
     }
     return SheetScan(
         contours=contours,
@@ -147,6 +138,13 @@ def placement(
         if np.abs(step).max() < CONVERGED:
             break
     return [pose.to_drawing(each) for each in points], pose
+
+
+def _read(one: BeamPath, points: Array, noise: float) -> ScannedContour:
+    p = points - one.middle
+    s, d = one.curve.nearest(p), signed_distance(one.curve, p)
+    order = np.argsort(s)
+    return ScannedContour(arc_length=s[order], deviation=d[order], noise=noise)
 
 
 def _normals(curve: ClosedCurve, s: Array) -> Array:
