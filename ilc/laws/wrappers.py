@@ -67,7 +67,6 @@ class Best(NamedTuple):
     size: float
     gain: float
     setbacks: int
-    updates: int = 0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -85,12 +84,10 @@ class Guarded:
     """Above 1, so that measurement noise is not taken for growth."""
     back_off: float = 0.5
     patience: int = 3
-    gains: tuple[float, ...] = (1.0,)
-    """Of the steps after k = 0, 1, ..., such as falling ones against noise; the last one stays."""
 
     def __post_init__(self) -> None:
         check_numbers(self, "tolerance", "back_off", "patience")
-        check_numbers(self, "weight", "gains", several=True)
+        check_numbers(self, "weight", several=True)
         if not self.tolerance >= 1.0:
             raise ValueError(f"tolerance must be >= 1, got {self.tolerance}")
         if not 0.0 < self.back_off < 1.0:
@@ -114,16 +111,14 @@ class Guarded:
         if memory is None:
             memory = Best(correction, error, size, 1.0, 0)
         elif size <= memory.size:
-            memory = memory._replace(correction=correction, error=error, size=size)
+            memory = Best(correction, error, size, memory.gain, memory.setbacks)
         elif size > self.tolerance * memory.size:
             memory = memory._replace(gain=memory.gain * self.back_off, setbacks=memory.setbacks + 1)
             correction, error = memory.correction, memory.error
         if memory.setbacks >= self.patience:
             return memory.correction, memory
-        gain = memory.gain * self.gains[min(memory.updates, len(self.gains) - 1)]
         wanted = self.law(correction, error)
-        updated = memory._replace(updates=memory.updates + 1)
-        return correction + gain * (wanted - correction), updated
+        return correction + memory.gain * (wanted - correction), memory
 
 
 class SegmentMemory(NamedTuple):

@@ -47,8 +47,6 @@ class ToolLaw:
     """Time shift of the heuristic law [samples]."""
     guarded: bool = True
     """Reduce the gain when errors no longer fall."""
-    gains: tuple[float, ...] = (1.0,)
-    """Of a guarded law, factors on the steps after k = 0, 1, ...; the last one stays."""
 
     def along(self, plants: PathPlants, turn_rate: float, *, rotations: bool = True) -> Law:
         """The law on the arm along a path. Raises ValueError for design variables out of range.
@@ -88,7 +86,7 @@ class ToolLaw:
             inverse = np.asarray(np.linalg.pinv(J), dtype=np.float64)
             heuristic = Heuristic(Q=low_pass, gamma=self.gamma, delta=self.delta)
             chosen = JointSpace(law=heuristic, inverse=inverse)
-        return Guarded(law=chosen, weight=weight, gains=self.gains) if self.guarded else chosen
+        return Guarded(law=chosen, weight=weight) if self.guarded else chosen
 
 
 def pass_band(turn_rate: float, lowest_mode: float = 0.0) -> float:

@@ -41,13 +41,11 @@ from ..motion.contour import ClosedCurve, outward_normal
 from ..motion.path import Plane
 from ..robot.virtual_robot import LOG_PERIOD
 from ..scan.reading import SheetScan
-from ..scan.shape import LARGEST, Shape, scanned_shape, shape, taken_off, usable
+from ..scan.shape import Shape, scanned_shape, shape, taken_off, usable
 from ..scan.virtual_reading import CALIBRATED, BeamPath, ScanErrors, virtual_scan
 from .experiment import Experiment, Pass
 from .measures import SetUp
 
-GAINS = (1.0, 0.78, 0.56, 0.44, 0.33)
-"""Over 0.9: 0.9, 0.7, 0.5, 0.4, 0.3, as noise comes to outweigh the error. Of the trial."""
 _SLOPE = 25
 """Samples beside one among which its foot on the programmed path is looked for: 0.1 s."""
 _CORRELATION = 4.3
@@ -125,7 +123,7 @@ class ScannedPart:
     """Deviation across the contours by a scan of each part, and a law on identified springs."""
 
     scans: Scans = field(default_factory=VirtualScans)
-    law: ToolLaw = field(default_factory=lambda: ToolLaw(gains=GAINS))
+    law: ToolLaw = field(default_factory=ToolLaw)
     parameters: ArmParameters | None = None
     """Of this robot, identified earlier; None identifies springs from the first scan."""
     imu: ImuCfg | None = None
@@ -183,12 +181,8 @@ class Seen:
             raise ValueError(f"the scan has no contour {missing[0]!r}. Contours: {known}")
         shapes = [scanned_shape(one.curve, scan.contours[one.name]) for one in each]
         for one, made in zip(each, shapes, strict=True):
-            largest = float(np.abs(made.deviation).max())
-            if not largest <= LARGEST:
-                raise ValueError(
-                    f"{one.name}: the scanned contour is up to {1e3 * largest:.3g} mm from its "
-                    f"drawing after placement, more than {1e3 * LARGEST:g} mm: another part"
-                )
+            if (objection := made.objection) is not None:
+                raise ValueError(f"{one.name}: {objection}: another part")
         on = [np.flatnonzero((time >= one.begin) & (time < one.end)) for one in each]
         return cls(each, shapes, on, experiment.programmed[0])
 
@@ -297,10 +291,12 @@ class ScanOutput:
             rows = usable(one.curve, made, path.arc_length)
             s, at = path.arc_length[rows], on[rows]
             n = outward_normal(one.curve.tangent(s)) @ one.plane.axes[:, :2].T
-            normal[at] = n
+            # A contour that is cut clockwise has its right inside, as the leads have theirs.
+            side = np.sign(np.vdot(n, normal[at]))
+            normal[at] = side * n
             wanted = made.at(s, one.curve.length) + taken_off(one.curve, s) @ path.motion
             off = path.deviation[rows] + taken_off(one.curve, s) @ path.motion
-            beyond[at], d[at], there[at] = wanted - off, off, True
+            beyond[at], d[at], there[at] = side * (wanted - off), side * off, True
         return (d + self._faded(beyond, there))[:, None] * normal
 
     def _faded(self, beyond: Array, there: np.ndarray) -> Array:

@@ -20,7 +20,7 @@ HELD = 0.4e-3
 _GAP = 0.5e-3
 """[m], between readings, within which a scan says nothing."""
 LARGEST = 1e-3
-"""[m], of a deviation after the fit: elasticity is a fifth of it. ESTIMATE."""
+"""[m], RMS of the deviation after the fit: that of a tool is a fifth of it. ESTIMATE."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +32,21 @@ class Shape:
     """(M,) [m], after the motion."""
     motion: Array
     """(3,), x, y [m] and angle [rad] that the motion has taken off."""
+
+    @property
+    def rms(self) -> float:
+        """Of the deviation [m]."""
+        return float(np.sqrt(np.mean(self.deviation**2)))
+
+    @property
+    def objection(self) -> str | None:
+        """Why it cannot be that of the drawing; None if it can."""
+        if self.rms <= LARGEST:
+            return None
+        return (
+            f"the scanned contour is {1e3 * self.rms:.3g} mm RMS from its drawing after placement, "
+            f"more than {1e3 * LARGEST:g} mm"
+        )
 
     def at(self, s: Array, length: float) -> Array:
         """Deviation at arc lengths (K,) of a contour of that length."""

@@ -14,6 +14,8 @@ from ..cell import TOOL_QUATERNION, ToolPose
 from ..laser.experiment import Experiment, Pass
 from ..laser.specification import Cut
 from ..motion.contour import ArcsAndLines, Circle, clockwise, hexagon, slot, square
+from ..part.arcs import Chain, line
+from ..part.curve import ChainCurve
 from ..scan.reading import SheetScan
 from ..scan.virtual_reading import BeamPath
 from .recordings import MeasuredCut, ScannedCut
@@ -25,7 +27,7 @@ PLACE = (1.8, 0.1, 1.5992)
 _FILL = 0.6
 """Size of a contour over the least side of its cell."""
 _SHAPES = ("circle", "square", "hexagon", "slot")
-_SPEEDS = ((0.060, 0.100), (0.080, 0.045), (0.050, 0.080), (0.080, 0.050))
+_SPEEDS = ((0.060, 0.100), (0.060, 0.035), (0.035, 0.060), (0.080, 0.050))
 """[m/s] by row, counter-clockwise and clockwise: each shape slow and fast."""
 
 
@@ -64,6 +66,8 @@ def coupon(sheet: tuple[float, float] = SHEET) -> dict[str, CouponContour]:
     return found
 
 
+_MARK, _MARK_RADIUS = -0.2, 0.0015
+"""Place of the mark beside the middle, over half the width of the sheet; and its radius [m]."""
 _LEAST = 0.008
 """[m], of a contour: below it corners of 15 % are too tight. ESTIMATE."""
 
@@ -78,6 +82,29 @@ def _curve(shape: str, size: float, longest: float) -> Circle | ArcsAndLines:
             return hexagon(size, 0.15 * size)
         case _:
             return slot(max(longest, 1.5 * size), 0.5 * size)
+
+
+def drawing(sheet: tuple[float, float] = SHEET) -> dict[str, ChainCurve]:
+    """Contours of a coupon as drawn about the middle of its sheet, each from where its cut starts,
+    and the two that no twin is identified from: a mark beside the middle, by which a scan knows the
+    sheet's top and its face, and an open kerf that shows the beam's width. Raises as `coupon`."""
+    x, y = _MARK * 0.5 * sheet[0], 0.25 * sheet[1]
+    ends = (0.5 * x, y), (-x, y)
+    mark = _chain(Circle(_MARK_RADIUS), (x, y))
+    contours = {n: _chain(one.curve, one.middle) for n, one in coupon(sheet).items()}
+    chains = {**contours, "mark": mark, "kerf": line(*ends)}
+    return {name: ChainCurve(chain) for name, chain in chains.items()}
+
+
+def _chain(curve: Circle | ArcsAndLines, middle: tuple[float, float]) -> Chain:
+    lengths, bends = (
+        (2 * [0.5 * curve.length], 2 * [1.0 / curve.radius])
+        if isinstance(curve, Circle)
+        else zip(*curve.elements, strict=True)
+    )
+    points = curve.point(np.cumsum([0.0, *lengths])) + middle
+    points[-1] = points[0]
+    return Chain(points, np.tan(0.25 * np.multiply(lengths, bends)))
 
 
 def coupon_cut(one: CouponContour, place: tuple[float, float, float] = PLACE) -> Cut:

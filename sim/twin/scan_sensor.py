@@ -24,7 +24,7 @@ from ..motion.contour import outward_normal
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
 from ..robot.virtual_robot import LOG_PERIOD
-from ..scan.shape import LARGEST, Shape, scanned_shape, shape, taken_off, usable
+from ..scan.shape import Shape, scanned_shape, shape, taken_off, usable
 from .parameters import Block
 from .recordings import ImplausibleError, MeasuredCut, ScannedCut
 from .simulation import motor_path
@@ -58,12 +58,8 @@ def check_scanned(model: RobotModel, cut: MeasuredCut) -> None:
     if cut.scan is None:
         raise ImplausibleError(f"{cut.name} is not on the scanned sheet")
     comparison = ScanComparison(model, cut)
-    largest = float(np.abs(comparison.scanned.deviation).max())
-    if largest > LARGEST:
-        raise ImplausibleError(
-            f"{cut.name}: the scanned contour is up to {1e3 * largest:.3g} mm from its drawing "
-            f"after placement, more than {1e3 * LARGEST:g} mm: another contour, or another unit"
-        )
+    if (objection := comparison.scanned.objection) is not None:
+        raise ImplausibleError(f"{cut.name}: {objection}: another contour, or another unit")
     if len(comparison.rows) < 3:
         raise ImplausibleError(f"{cut.name}: the scan has no place where the beam was on")
 

@@ -6,7 +6,7 @@ less that of the motor angles, to springs, lost motion and masses by simulation,
 geometry by kinematics.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -112,11 +112,15 @@ class Against:
     def _residuals(self, run: Recording, theta: Array) -> Residuals:
         torque = self.cut.motor_torque - run.motor_torque
         tool = self._tool.residual(run)
-        for block in self.sensor.own(self.cut):
-            tool = tool - self._own[block.name] @ theta[self.parameters.at(block.name)]
+        if self.sensor.own(self.cut):
+            entries = np.concatenate(
+                [theta[self.parameters.at(block.name)] for block in self.sensor.own(self.cut)]
+            )
+            tool = tool - self.of_sensor @ entries
         return Residuals(torque, tool, self.cut.moving)
 
     @cached_property
-    def _own(self) -> Mapping[str, Array]:
-        """Columns of what is unknown of the sensor, which no simulation depends on."""
-        return self._tool.by_kinematics()
+    def of_sensor(self) -> Array:
+        """(K, C, e), columns of what is unknown of the sensor itself."""
+        columns = self._tool.by_kinematics()
+        return np.concatenate([columns[b.name] for b in self.sensor.own(self.cut)], axis=2)

@@ -58,7 +58,7 @@ def test_an_exact_scan_shows_the_tool_across_the_contour(experiment, first):
     off -= columns @ np.linalg.lstsq(columns, off, rcond=1e-9)[0]
     assert np.std(true.deviation) > 100e-6
     # A deviation that is put 50 um beside its place, where springs are off, in the bends.
-    assert np.std(off) < 0.05 * np.std(true.deviation)
+    assert np.std(off) < 0.06 * np.std(true.deviation)
     assert (change[:, 2] == 0.0).all()  # nothing of the height
 
 
@@ -83,6 +83,6 @@ def test_a_scan_of_another_part_is_refused(experiment, first, scale):
         other = {"contour": replace(one, deviation=scale * one.deviation)} if scale else {}
         return replace(scan, contours=other)
 
-    said = "mm from its drawing" if scale else "has no contour 'contour'. Contours: none"
+    said = "mm RMS from its drawing" if scale else "has no contour 'contour'. Contours: none"
     with pytest.raises(ValueError, match=said):
         ScannedPart(scans=scans).prepare(experiment)(first)

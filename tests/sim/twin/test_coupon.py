@@ -141,7 +141,7 @@ def test_what_is_unknown_of_the_sheet_is_no_parameter_of_the_twin(cut):
     ("change", "said"),
     [
         (lambda seen: None, "is not on the scanned sheet"),
-        (lambda seen: waved(seen, 3e-3), "up to 3 mm from its drawing .* more than 1 mm"),
+        (lambda seen: waved(seen, 3e-3), "2.1. mm RMS from its drawing .* more than 1 mm"),
     ],
 )
 def test_a_scan_of_something_else_is_refused_by_name(cut, design, change, said):
