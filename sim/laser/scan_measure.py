@@ -39,6 +39,7 @@ from ..estimation.tool_law import ToolLaw
 from ..instruments.imu import ImuCfg
 from ..motion.contour import ClosedCurve, outward_normal
 from ..motion.path import Plane
+from ..notes import Cause, Note
 from ..robot.virtual_robot import LOG_PERIOD
 from ..scan.reading import SheetScan
 from ..scan.shape import Shape, scanned_shape, shape, taken_off, usable
@@ -53,6 +54,8 @@ _CORRELATION = 4.3
 _NOISE = 30e-6
 """[m], least scale: geometry and gear errors, that springs cannot explain. ESTIMATE."""
 _STEPS, _STEP, _LARGEST_STEP = 4, 0.05, 0.5
+_STARTS = 0.0, 0.7
+"""Log stiffness of the structure."""
 
 
 class Scans(Protocol):
@@ -158,8 +161,9 @@ class ScannedPart:
             return ScanOutput(self, experiment, arm, plants, None)
         scan = self.scans(experiment, first)
         springs = springs_by_scan(motion, nominal, Seen.of(experiment, scan, log.time), self.prior)
-        plants = plants_along(robot, motion, springs, identified=False)
-        return ScanOutput(self, experiment, arm, plants, springs)
+        of_law = nominal.on_rigid_structure if springs is None else springs
+        plants = plants_along(robot, motion, of_law, identified=False)
+        return ScanOutput(self, experiment, arm, plants, springs, unexplained=springs is None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,10 +216,12 @@ class Seen:
 
 def springs_by_scan(
     motion: RigidMotion, nominal: Elasticity, seen: Seen, prior: SpringPrior
-) -> Elasticity:
-    """Springs of gears and structure, and lost motion, that explain the scan of a run best.
+) -> Elasticity | None:
+    """Springs of gears and structure, and lost motion, that explain the scan of a run best; None if
+    an arm without any explains it as well.
 
-    Regularised Gauss-Newton from the nominal springs on; residuals weigh by what they leave.
+    Regularised Gauss-Newton from nominal springs on, and from a stiffer structure; residuals weigh
+    by what they leave.
     """
     sd, n = prior.standard_deviation(nominal), len(nominal.stiffness)
     free = np.r_[:n, n + 2]
@@ -224,20 +230,30 @@ def springs_by_scan(
     def left(theta: Array) -> Array:
         return seen.residual(_tool(motion, parameters_at(nominal, theta).springs), feet)
 
-    theta, now = np.zeros_like(sd), left(np.zeros_like(sd))
-    for _ in range(_STEPS):
-        moved = [left(theta + _STEP * one) for one in np.eye(len(sd))[free]]
-        A = (now - np.array(moved)).T / _STEP
-        scale = max(_CORRELATION * float(np.sqrt(np.mean(now**2))), _NOISE)
-        normal = A.T @ A / scale**2 + np.diag(sd[free] ** -2.0)
-        step = np.linalg.solve(normal, A.T @ now / scale**2 - theta[free] / sd[free] ** 2)
-        trial = theta.copy()
-        trial[free] += np.clip(step, -_LARGEST_STEP, _LARGEST_STEP)
+    best, least = None, _rms(seen.residual(_tool(motion, None), feet))
+    for structure in _STARTS:
+        theta = np.zeros_like(sd)
+        theta[:n] = structure
+        theta[nominal.axes] = 0.0
         try:
-            now, theta = left(trial), trial
+            now = left(theta)
+            for _ in range(_STEPS):
+                moved = [left(theta + _STEP * one) for one in np.eye(len(sd))[free]]
+                A = (now - np.array(moved)).T / _STEP
+                scale = max(_CORRELATION * _rms(now), _NOISE)
+                normal = A.T @ A / scale**2 + np.diag(sd[free] ** -2.0)
+                step = np.linalg.solve(normal, A.T @ now / scale**2 - theta[free] / sd[free] ** 2)
+                theta[free] += np.clip(step, -_LARGEST_STEP, _LARGEST_STEP)
+                now = left(theta)
         except (FloatingPointError, RuntimeError):  # springs that cannot carry the arm
-            break
-    return parameters_at(nominal, theta).springs
+            continue
+        if _rms(now) < least:
+            best, least = parameters_at(nominal, theta).springs, _rms(now)
+    return best
+
+
+def _rms(residual: Array) -> float:
+    return float(np.sqrt(np.mean(residual**2)))
 
 
 def _tool(motion: RigidMotion, springs: Elasticity | None) -> Array:
@@ -259,6 +275,16 @@ class ScanOutput:
     plants: PathPlants
     springs: Elasticity | None
     """None where nothing is known of them: the arm is taken to be rigid."""
+    unexplained: bool = False
+    """The first scan was to give springs, and did not."""
+
+    @property
+    def notes(self) -> tuple[Note, ...]:
+        """Why springs are those assumed."""
+        if not self.unexplained:
+            return ()
+        text = "no springs explain the first scan better than none: those assumed are used instead"
+        return (Note(cause=Cause.SCAN, text=text),)
 
     @cached_property
     def reference(self) -> Array:

@@ -86,3 +86,11 @@ def test_a_scan_of_another_part_is_refused(experiment, first, scale):
     said = "mm RMS from its drawing" if scale else "has no contour 'contour'. Contours: none"
     with pytest.raises(ValueError, match=said):
         ScannedPart(scans=scans).prepare(experiment)(first)
+
+
+def test_springs_that_explain_nothing_are_not_used_and_that_is_said(experiment, first, monkeypatch):
+    monkeypatch.setattr("armside.sim.laser.scan_measure.springs_by_scan", lambda *of: None)
+    output = ScannedPart().prepare(experiment)(first)
+    (note,) = output.notes
+    assert "those assumed are used" in note.text
+    assert ScannedPart(identified=False).prepare(experiment)(first).notes == ()
