@@ -13,7 +13,7 @@ from armside.arrays import Array
 from ..motion.contour import ClosedCurve, outward_normal
 from ..notes import Cause, Note
 from .calibration import Calibration
-from .image import BLURRED, WHITE, WINDOW, Edge, ScanImage, edge_near, outlines
+from .image import BLURRED, WHITE, WINDOW, Edge, ScanImage, edge_near, kerf_middle, outlines
 from .placement import FOUND, DrawnContour, Pose, Seen, located, rigid_step, shift
 
 BEAM = 0.2e-3
@@ -36,6 +36,8 @@ OUTLYING = 35e-6
 """Least distance from its neighbours' course at which a bin is a tear, a burr or dust [m]."""
 COVERED = 0.6
 """Least part of a contour that has to be seen."""
+ROUGH = 30e-6
+"""Largest roughness of a bin [m]: seven times a laser's, and of burrs or dirt all around."""
 KERF_DIFFERS = 10e-6
 """Difference of the measured beam from the given one that is noted [m]."""
 UNCALIBRATED = 10e-6
@@ -136,16 +138,15 @@ def _read(
         middle = contour.coarse[0].mean(axis=0)
         apart = [np.linalg.norm(c.coarse[0].mean(axis=0) - middle) for c in closed]
         moved = shifts[int(np.argmin(apart))]
-        for sign in (1, -1) if contour.seen is Seen.KERF else (contour.seen.value,):
-            expected, normal = contour.edge(SPACING, 0.5 * (beam or BEAM) * sign)
-            is_kerf = contour.seen is Seen.KERF
-            out = (sign if is_kerf else 1) * normal @ pose.matrix.T
-            at = pose.to_image(expected) + moved
-            sides.append(
-                _Side(
-                    contour, sign, edge_near(image, at, out, narrow=0.5 * BEAM if is_kerf else 0.0)
-                )
-            )
+        is_kerf = contour.seen is Seen.KERF
+        expected, normal = contour.edge(SPACING, 0.5 * BEAM * contour.seen.value)
+        at, out = pose.to_image(expected) + moved, normal @ pose.matrix.T
+        if is_kerf:
+            at = at + kerf_middle(image, at, out)[:, np.newaxis] * out
+        for sign in (1, -1) if is_kerf else (contour.seen.value,):
+            away, narrow = (sign * out, 0.5 * BEAM) if is_kerf else (out, 0.0)
+            edge = edge_near(image, at + narrow * away, away, narrow=narrow)
+            sides.append(_Side(contour, sign, edge))
     _check(sides)
     points = [side.edge.points for side in sides]
     if calibration is not None:
@@ -302,6 +303,11 @@ def _scanned(
     second = second[good[1:-1] & good[:-2] & good[2:]]
     white = np.sqrt(np.mean(second**2) / 1.5) if len(second) else 0.0
     noise = float(np.hypot(white, scanner))
+    if white > ROUGH:
+        raise ValueError(
+            f"{contour.name} is rough: {1e6 * white:.0f} um RMS from bin to bin; at most "
+            f"{1e6 * ROUGH:.0f} um of a clean cut are read"
+        )
     missing = int(expected.sum() - good.sum())
     note = ""
     if missing > 0:
@@ -323,8 +329,7 @@ def _outlying(d: Array, closed: bool) -> NDArray[np.bool_]:
     window = np.where(there, window, 0.0)
     basis = np.stack([np.ones(len(x)), x / half, (x / half) ** 2], axis=1)
     weight = there.astype(np.float64)
-    centre = np.nanmedian(np.where(there, window, np.nan), axis=1) if there.any() else np.zeros(n)
-    residual, size = window - centre[:, np.newaxis], np.full(n, OUTLYING)
+    residual, size = window, np.full(n, OUTLYING)
     for _ in range(4):
         A = np.einsum("nk,kp,kq->npq", weight, basis, basis) + 1e-9 * np.eye(3)
         b = np.einsum("nk,nk,kp->np", weight, window, basis)
