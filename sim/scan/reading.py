@@ -40,6 +40,8 @@ ROUGH = 30e-6
 """Largest roughness of a bin [m]: seven times a laser's, and of burrs or dirt all around."""
 KERF_DIFFERS = 10e-6
 """Difference of the measured beam from the given one that is noted [m]."""
+EDGE = 3e-6
+"""Waves of a cut's edge over millimetres that are not the beam's, RMS [m]. ESTIMATE"""
 UNCALIBRATED = 10e-6
 """Wobble of a scanner that nobody calibrated, RMS [m]. ESTIMATE, of 10 to 30 um peak."""
 SCALE = 1e-3
@@ -302,7 +304,7 @@ def _scanned(
     second = d[1:-1] - 0.5 * (d[:-2] + d[2:])
     second = second[good[1:-1] & good[:-2] & good[2:]]
     white = np.sqrt(np.mean(second**2) / 1.5) if len(second) else 0.0
-    noise = float(np.hypot(white, scanner))
+    noise = float(np.sqrt(white**2 + scanner**2 + EDGE**2))
     if white > ROUGH:
         raise ValueError(
             f"{contour.name} is rough: {1e6 * white:.0f} um RMS from bin to bin; at most "

@@ -5,7 +5,7 @@ import pytest
 
 from armside.sim.notes import Cause
 from armside.sim.part.arcs import MM
-from armside.sim.scan.reading import SCALE, UNCALIBRATED, SheetScan, read_scan
+from armside.sim.scan.reading import EDGE, SCALE, UNCALIBRATED, SheetScan, read_scan
 from armside.sim.scan.virtual import Process, Scanner
 
 from .sheets import DRAWING, MIDDLE, SIZE, circle, deviation, image, polygon
@@ -127,7 +127,7 @@ def test_the_stated_noise_is_that_of_a_bin():
     """The roughness of an edge, means over 0.2 mm: 4 um correlated over 0.1 mm."""
     scan = read_scan(image(process=Process(wave=0.0, roughness=4e-6)), DRAWING)
     actual = np.std(errors(scan)["circle"])
-    stated = np.sqrt(scan.contours["circle"].noise ** 2 - UNCALIBRATED**2)
+    stated = np.sqrt(scan.contours["circle"].noise ** 2 - UNCALIBRATED**2 - EDGE**2)
     assert 0.7 * actual < stated < 1.3 * actual
 
 
