@@ -104,8 +104,8 @@ def gap(scan: SheetScan, degrees: float) -> float:
 
 @pytest.mark.parametrize(
     ("grey", "radius"),
-    [(40.0, 0.3), (190.0, 0.3), (120.0, 0.2)],
-    ids=["tear", "burr", "dust"],
+    [(40.0, 0.3), (40.0, 0.8), (190.0, 0.3), (120.0, 0.2)],
+    ids=["tear", "large tear", "burr", "dust"],
 )
 def test_what_is_torn_burred_or_covered_is_left_out_with_a_note(grey, radius):
     spot = (*on_circle(60.0, 8.1 * MM, 7.0), radius * MM, grey)
