@@ -149,8 +149,8 @@ def read_image(file: Path, dpi: float | None = None) -> ScanImage:
 
 
 def _grey(opened: Any) -> NDArray[np.uint8]:
-    if opened.mode == "1":
-        raise ValueError("it is black and white; scan in grey")
+    if opened.mode in ("1", "P"):
+        raise ValueError("it has few greys or a palette; scan in grey or colour")
     if opened.mode.startswith(("I", "F")):
         deep = np.asarray(opened)
         if deep.dtype.kind == "f" or deep.min() < 0 or deep.max() > 65535:
