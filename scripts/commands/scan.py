@@ -25,7 +25,7 @@ Action = Annotated[
     Literal["calibrate", "read"], Parameter(help=f"calibrate: {_CALIBRATE} read: {_READ}")
 ]
 LIMITS = {
-    "pitch": Limits(1.0, 20.0, "mm"),
+    "pitch": Limits(2.0, 20.0, "mm"),
     "dpi": Limits(500.0, 10_000.0),
     "beam": Limits(0.01, 2.0, "mm"),
 }

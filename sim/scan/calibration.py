@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from armside.arrays import Array
 
 from ..records.files import check_file, reading
-from .image import Outline, ScanImage, edge_near, outlines
+from .image import Outline, ScanImage, edge_near, kerf_middle, outlines
 
 SAME = 0.5e-3
 """Largest difference between the scanned areas of grid and sheet [m]."""
@@ -139,8 +139,8 @@ def calibrated(images: Sequence[ScanImage], pitch: float) -> Calibration:
     Raises ValueError for images without such a grid, for one that lies too straight, and for a
     scanner that bends its image along the carriage, as contact image sensors do.
     """
-    if not 1e-3 <= pitch <= 20e-3:
-        raise ValueError(f"the pitch must be 1 to 20 mm, got {1e3 * pitch:g}")
+    if not 2e-3 <= pitch <= 20e-3:
+        raise ValueError(f"the pitch must be 2 to 20 mm, got {1e3 * pitch:g}")
     area = images[0].size
     for image in images[1:]:
         if max(abs(a - b) for a, b in zip(image.size, area, strict=True)) > SAME:
@@ -226,7 +226,6 @@ def _middles(
     image: ScanImage, points: Array, normal: Array, width: float, used: NDArray[np.bool_]
 ) -> Array:
     """Middles (M, 2) [m] of a line in bins, of both of its edges."""
-    along = np.array([normal[1], -normal[0]])
     n = max(1, int(np.ceil(np.linalg.norm(points[-1] - points[0]) / BIN)))
     means = list[Array]()
     keep = np.repeat(False, n)
@@ -235,9 +234,10 @@ def _middles(
     at = np.clip(((points - origin) @ step / (step @ step)).astype(int), 0, n - 1)
     share = np.bincount(at, weights=used, minlength=n) / np.maximum(np.bincount(at, minlength=n), 1)
     keep = share > 0.99
+    beside = kerf_middle(image, points, np.tile(normal, (len(points), 1)))[:, np.newaxis] * normal
     for side in (1.0, -1.0):
         out = np.tile(side * normal, (len(points), 1))
-        edge = edge_near(image, points + 0.5 * width * out, out, narrow=0.5 * width).points
+        edge = edge_near(image, points + beside + 0.5 * width * out, out, narrow=0.5 * width).points
         i = np.floor((edge - origin) @ step / (step @ step)).astype(int)
         across = (edge - origin) @ normal
         inside = (i >= 0) & (i < n) & (np.abs(across - 0.5 * side * width) < 0.2e-3)
@@ -245,12 +245,12 @@ def _middles(
         count = np.bincount(i, minlength=n)
         keep &= count >= 5
         means.append(np.bincount(i, weights=across, minlength=n) / np.maximum(count, 1))
-    middle = 0.5 * (means[0] + means[1])
-    keep &= np.abs(means[0] - means[1] - np.median((means[0] - means[1])[keep])) < 20e-6
+    middle, wide = 0.5 * (means[0] + means[1]), means[0] - means[1]
+    if keep.any():
+        keep &= np.abs(wide - np.median(wide[keep])) < 20e-6
     centre = origin + (np.arange(n) + 0.5)[:, np.newaxis] * step
     # The bins' centres lie on the expected line, which `normal` need not be square to.
     centre = centre - ((centre - origin) @ normal)[:, np.newaxis] * normal
-    assert abs(along @ normal) < 1e-9
     return (centre + middle[:, np.newaxis] * normal)[keep]
 
 

@@ -3,6 +3,7 @@
 Image coordinates: [m], x to the right and y up, from the lower left corner of the image.
 """
 
+import warnings
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -39,15 +40,20 @@ COARSE = 90e-6
 """Largest pixel of the coarse image [m]: half a kerf."""
 WINDOW = 0.6e-3
 """Distance from the expected edge within which an edge is searched for [m]."""
-PLATEAU = (0.20e-3, 0.45e-3)
+PLATEAU = (0.30e-3, 0.55e-3)
 """Distances from the expected edge at which the greys of both sides are taken [m]."""
 PIECE = 4e-3
 """Length of edge that is read with one half grey [m]."""
 CONTRAST = 30.0
 """Smallest difference of grey between both sides, of 255."""
-BLURRED = 60e-6
-"""Standard deviation from which the spread of an edge is no scanner's [m]; an edge at 600 dpi has
-35 um by this measure."""
+BLURRED = 50e-6
+"""Standard deviation from which the spread of an edge is no scanner's [m]: by this measure 30 um at
+600 dpi and 44 at 500 with poor optics, 60 at 200 dpi scaled up."""
+BESIDE = (80e-6, 110e-6)
+"""Distances from a point of the edge at which both sides have their greys [m]; a kerf's is its
+middle."""
+STAINED = 0.3
+"""Largest difference of such a grey from that of its side, over the contrast: dust, dirt."""
 TURNED = 0.5
 """Least cosine between an edge's gradient and the normal of the expected edge."""
 WHITE = 0.98
@@ -143,8 +149,8 @@ def read_image(file: Path, dpi: float | None = None) -> ScanImage:
 
 
 def _grey(opened: Any) -> NDArray[np.uint8]:
-    if opened.mode == "1":
-        raise ValueError("it is black and white; scan in grey")
+    if opened.mode in ("1", "P"):
+        raise ValueError("it has few greys or a palette; scan in grey or colour")
     if opened.mode.startswith(("I", "F")):
         deep = np.asarray(opened)
         if deep.dtype.kind == "f" or deep.min() < 0 or deep.max() > 65535:
@@ -225,49 +231,69 @@ def edge_near(image: ScanImage, expected: Array, outwards: Array, *, narrow: flo
     what lies inside is a kerf or line, whose grey is taken at that depth [m], its middle.
     """
     n = max(1, round(float(np.linalg.norm(np.diff(expected, axis=0), axis=1).sum()) / PIECE))
-    found, insides, outsides = list[Array](), list[float](), list[float]()
-    slopes, bright = list[Array](), list[Array]()
     near, far = PLATEAU
     margin = far + max(image.pixel)
-    w, h = image.size
-    x, y = expected.T
+    (w, h), (x, y) = image.size, expected.T
     beyond = np.mean((x < margin) | (y < margin) | (x > w - margin) | (y > h - margin))
-    tree = KDTree(expected)
-    for of in np.array_split(np.arange(len(expected)), n):
-        depths = [narrow] if narrow else np.linspace(near, far, 4)
-        inner = np.concatenate([image.at(expected[of] - d * outwards[of]) for d in depths])
-        outer = np.concatenate(
-            [image.at(expected[of] + d * outwards[of]) for d in np.linspace(near, far, 4)]
-        )
-        inside, outside = _median(inner), _median(outer)
-        if not abs(inside - outside) >= CONTRAST:
+    depths = np.linspace(near, far, 4)
+    inner = np.array([image.at(expected - d * outwards) for d in ([narrow] if narrow else depths)])
+    outer = np.array([image.at(expected + d * outwards) for d in depths])
+    pieces = np.array_split(np.arange(len(expected)), n)
+    # Dust on one piece does not shift its half grey: light varies over many.
+    insides, outsides = (
+        _smooth(np.array([_median(grey[:, of]) for of in pieces])) for grey in (inner, outer)
+    )
+    tree, found, slopes = KDTree(expected), list[Array](), list[Array]()
+    for of, inside, outside in zip(pieces, insides, outsides, strict=True):
+        contrast = outside - inside
+        if not abs(contrast) >= CONTRAST:
             continue
-        level = 0.5 * (inside + outside)
-        points = _crossing(image, expected[of], level)
+        points = _crossing(image, expected[of], 0.5 * (inside + outside))
         distance, i = tree.query(points)
         # What is nearer to another piece is read with that one.
-        points, i = (
-            each[(distance < WINDOW) & (i >= of[0]) & (i <= of[-1])] for each in (points, i)
-        )
+        own = (distance < WINDOW) & (i >= of[0]) & (i <= of[-1])
+        points, i = points[own], i[own]
         gradient = image.gradient(points)
         slope = np.linalg.norm(gradient, axis=1)
-        along = np.einsum("ij,ij->i", gradient, outwards[i]) * np.sign(outside - inside)
-        points, slope = points[along > TURNED * slope], slope[along > TURNED * slope]
-        found.append(points)
-        insides.append(inside)
-        outsides.append(outside)
-        slopes.append(abs(outside - inside) / (np.sqrt(2.0 * np.pi) * np.maximum(slope, 1e-9)))
-        bright.append(outer if outside > inside else inner)
+        clear = np.einsum("ij,ij->i", gradient, outwards[i]) * np.sign(contrast) > TURNED * slope
+        middle = (narrow,) if narrow else BESIDE
+        for side, grey, away in ((-1.0, inside, middle), (1.0, outside, BESIDE)):
+            beside = [image.at(points + side * d * outwards[i]) for d in away]
+            clear &= np.abs(np.mean(beside, axis=0) - grey) < STAINED * abs(contrast)
+        found.append(points[clear])
+        slopes.append(abs(contrast) / (np.sqrt(2.0 * np.pi) * np.maximum(slope[clear], 1e-9)))
     if not found or not sum(map(len, found)):
         return Edge(np.zeros((0, 2)), np.nan, np.nan, np.nan, np.nan, float(beyond))
+    inside, outside = float(np.nanmedian(insides)), float(np.nanmedian(outsides))
     return Edge(
         np.vstack(found),
-        float(np.median(insides)),
-        float(np.median(outsides)),
+        inside,
+        outside,
         float(np.median(np.concatenate(slopes))),
-        float(np.mean(np.concatenate(bright) >= 255)),
+        float(np.mean((outer if outside > inside else inner) >= 255)),
         float(beyond),
     )
+
+
+def kerf_middle(image: ScanImage, expected: Array, normal: Array) -> Array:
+    """(N,) [m], by which the middle of a kerf or line lies beside an expected one (N, 2)."""
+    from scipy.ndimage import median_filter, uniform_filter
+
+    t = np.arange(-WINDOW, WINDOW, 25e-6)
+    grey = np.array([image.at(expected + d * normal) for d in t]).T
+    grey = np.where(np.isfinite(grey), grey, np.nanmedian(grey))
+    dark = np.abs(grey - np.median(grey, axis=1)[:, np.newaxis])
+    # The mean over 1 mm of a kerf and its width.
+    mean = uniform_filter(dark, (10, 8), mode="nearest")
+    return median_filter(t[np.argmax(mean, axis=1)], 21, mode="nearest")
+
+
+def _smooth(values: Array) -> Array:
+    """Running median of the values of pieces, over nine."""
+    i = np.arange(len(values))[:, np.newaxis] + np.arange(-4, 5)
+    around = values[np.clip(i, 0, len(values) - 1)]
+    with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # all outside
+        return np.nanmedian(around, axis=1)
 
 
 def _median(values: Array) -> float:

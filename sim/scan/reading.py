@@ -13,7 +13,7 @@ from armside.arrays import Array
 from ..motion.contour import ClosedCurve, outward_normal
 from ..notes import Cause, Note
 from .calibration import Calibration
-from .image import BLURRED, WHITE, WINDOW, Edge, ScanImage, edge_near, outlines
+from .image import BLURRED, WHITE, WINDOW, Edge, ScanImage, edge_near, kerf_middle, outlines
 from .placement import FOUND, DrawnContour, Pose, Seen, located, rigid_step, shift
 
 BEAM = 0.2e-3
@@ -31,13 +31,19 @@ ENDS = 0.5e-3
 TOGETHER = 40e-6
 """Distance from a bin's median of the points that its mean is of [m]."""
 NEIGHBOURS = 8
-"""Bins on each side by which one is judged: within them a tool moves like a parabola."""
+"""Bins on each side by which one is judged."""
+DEGREE = 4
+"""Of the polynomial through them: waves of 4 mm follow it to some percent."""
 OUTLYING = 35e-6
 """Least distance from its neighbours' course at which a bin is a tear, a burr or dust [m]."""
 COVERED = 0.6
 """Least part of a contour that has to be seen."""
+ROUGH = 30e-6
+"""Largest roughness of a bin [m]: seven times a laser's, and of burrs or dirt all around."""
 KERF_DIFFERS = 10e-6
 """Difference of the measured beam from the given one that is noted [m]."""
+EDGE = 3e-6
+"""Waves of a cut's edge over millimetres that are not the beam's, RMS [m]. ESTIMATE"""
 UNCALIBRATED = 10e-6
 """Wobble of a scanner that nobody calibrated, RMS [m]. ESTIMATE, of 10 to 30 um peak."""
 SCALE = 1e-3
@@ -136,16 +142,15 @@ def _read(
         middle = contour.coarse[0].mean(axis=0)
         apart = [np.linalg.norm(c.coarse[0].mean(axis=0) - middle) for c in closed]
         moved = shifts[int(np.argmin(apart))]
-        for sign in (1, -1) if contour.seen is Seen.KERF else (contour.seen.value,):
-            expected, normal = contour.edge(SPACING, 0.5 * (beam or BEAM) * sign)
-            is_kerf = contour.seen is Seen.KERF
-            out = (sign if is_kerf else 1) * normal @ pose.matrix.T
-            at = pose.to_image(expected) + moved
-            sides.append(
-                _Side(
-                    contour, sign, edge_near(image, at, out, narrow=0.5 * BEAM if is_kerf else 0.0)
-                )
-            )
+        is_kerf = contour.seen is Seen.KERF
+        expected, normal = contour.edge(SPACING, 0.5 * BEAM * contour.seen.value)
+        at, out = pose.to_image(expected) + moved, normal @ pose.matrix.T
+        if is_kerf:
+            at = at + kerf_middle(image, at, out)[:, np.newaxis] * out
+        for sign in (1, -1) if is_kerf else (contour.seen.value,):
+            away, narrow = (sign * out, 0.5 * BEAM) if is_kerf else (out, 0.0)
+            edge = edge_near(image, at + narrow * away, away, narrow=narrow)
+            sides.append(_Side(contour, sign, edge))
     _check(sides)
     points = [side.edge.points for side in sides]
     if calibration is not None:
@@ -197,6 +202,12 @@ class _Bins(NamedTuple):
     offset: Array
     """(M,) [m], outwards from the contour."""
 
+    @property
+    def slant(self) -> Array:
+        """(M,), width across the contour over that across the edge, at an angle to it."""
+        slope = np.nan_to_num(np.gradient(self.offset, self.arc_length))
+        return np.sqrt(1.0 + np.clip(slope, -0.5, 0.5) ** 2)
+
 
 def _check(sides: Sequence[_Side]) -> None:
     """Raise ValueError for edges that are no sharp, whole and plainly exposed ones."""
@@ -231,9 +242,7 @@ def _binned(side: _Side, points: Array) -> _Bins:
     d = np.einsum("ij,ij->i", points - curve.point(s), normal)
     # Beside a corner the foot stays on it, and the distance is that from the corner.
     d = np.copysign(np.linalg.norm(points - curve.point(s), axis=1), d)
-    inside = d * side.sign > -WINDOW
-    if side.contour.seen is Seen.KERF:  # its round ends belong to neither side
-        inside &= (d * side.sign > 0.0) & (s > ENDS) & (s < curve.length - ENDS)
+    inside = np.abs(d) < WINDOW
     s, d = s[inside], d[inside]
     n = max(8, round(curve.length / BIN))
     at = np.minimum((s / curve.length * n).astype(int), n - 1)
@@ -246,8 +255,11 @@ def _binned(side: _Side, points: Array) -> _Bins:
     kept = np.bincount(at[near], minlength=n)
     total = np.bincount(at[near], weights=d[near], minlength=n)
     good = (kept >= 3) & (kept >= 0.6 * count)
+    centre = (np.arange(n) + 0.5) * curve.length / n
+    if side.contour.seen is Seen.KERF:  # its round ends belong to neither side
+        good &= (centre > ENDS) & (centre < curve.length - ENDS)
     offset = np.where(good, total / np.maximum(kept, 1), np.nan)
-    return _Bins((np.arange(n) + 0.5) * curve.length / n, offset)
+    return _Bins(centre, offset)
 
 
 def _kerfs(sides: Sequence[_Side], bins: Sequence[_Bins]) -> list[Array]:
@@ -255,7 +267,8 @@ def _kerfs(sides: Sequence[_Side], bins: Sequence[_Bins]) -> list[Array]:
     found = list[Array]()
     for side, outer, inner in zip(sides, bins, bins[1:], strict=False):
         if side.contour.seen is Seen.KERF and side.sign > 0:
-            width = outer.offset - inner.offset
+            middle = _Bins(outer.arc_length, 0.5 * (outer.offset + inner.offset))
+            width = (outer.offset - inner.offset) / middle.slant
             found.append(width[np.isfinite(width)])
     return [width for width in found if len(width)]
 
@@ -270,7 +283,7 @@ def _step(pose: Pose, sides: Sequence[_Side], bins: Sequence[_Bins], half: float
     """Motion of the drawing in the image that fits all contours."""
     lever, normals, off = list[Array](), list[Array](), list[Array]()
     for side, of in zip(sides, bins, strict=True):
-        d = of.offset - side.sign * half
+        d = of.offset - side.sign * half * of.slant
         good = np.isfinite(d) & ~_outlying(d, side.contour.seen is not Seen.KERF)
         s, curve = of.arc_length[good], side.contour.curve
         normals.append(outward_normal(curve.tangent(s)) @ pose.matrix.T)
@@ -287,7 +300,7 @@ def _scanned(
     if is_kerf:
         d = 0.5 * (sides[0].offset + sides[1].offset)
     else:
-        d = sides[0].offset - 0.5 * beam * contour.seen.value
+        d = sides[0].offset - 0.5 * beam * contour.seen.value * sides[0].slant
     s = sides[0].arc_length
     good = np.isfinite(d) & ~_outlying(d, not is_kerf)
     expected = (s > ENDS) & (s < contour.curve.length - ENDS) if is_kerf else np.full(len(s), True)
@@ -301,7 +314,12 @@ def _scanned(
     second = d[1:-1] - 0.5 * (d[:-2] + d[2:])
     second = second[good[1:-1] & good[:-2] & good[2:]]
     white = np.sqrt(np.mean(second**2) / 1.5) if len(second) else 0.0
-    noise = float(np.hypot(white, scanner))
+    noise = float(np.sqrt(white**2 + scanner**2 + EDGE**2))
+    if white > ROUGH:
+        raise ValueError(
+            f"{contour.name} is rough: {1e6 * white:.0f} um RMS from bin to bin; at most "
+            f"{1e6 * ROUGH:.0f} um of a clean cut are read"
+        )
     missing = int(expected.sum() - good.sum())
     note = ""
     if missing > 0:
@@ -314,26 +332,33 @@ def _scanned(
 
 
 def _outlying(d: Array, closed: bool) -> NDArray[np.bool_]:
-    """Bins off the smooth course of their neighbours: a robust parabola over `NEIGHBOURS`."""
+    """Bins off the smooth course of their neighbours, found again without the first ones."""
+    found = _off_course(d, closed)
+    return found | _off_course(np.where(found, np.nan, d), closed)
+
+
+def _off_course(d: Array, closed: bool) -> NDArray[np.bool_]:
+    """Bins off a robust polynomial of the fourth degree of `NEIGHBOURS` on each side."""
     n, half = len(d), min(NEIGHBOURS, len(d) // 2 - 1)
     x = np.arange(-half, half + 1)
     i = np.arange(n)[:, np.newaxis] + x
     window = d[i % n] if closed else np.where((i >= 0) & (i < n), d[np.clip(i, 0, n - 1)], np.nan)
     there = np.isfinite(window)
     window = np.where(there, window, 0.0)
-    basis = np.stack([np.ones(len(x)), x / half, (x / half) ** 2], axis=1)
-    weight = there.astype(np.float64)
-    centre = np.nanmedian(np.where(there, window, np.nan), axis=1) if there.any() else np.zeros(n)
-    residual, size = window - centre[:, np.newaxis], np.full(n, OUTLYING)
-    for _ in range(4):
-        A = np.einsum("nk,kp,kq->npq", weight, basis, basis) + 1e-9 * np.eye(3)
+    basis = (x[:, np.newaxis] / half) ** np.arange(DEGREE + 1)
+    weight, residual, size = there.astype(np.float64), window, np.full(n, OUTLYING)
+    for step in range(10):
+        A = np.einsum("nk,kp,kq->npq", weight, basis, basis) + 1e-9 * np.eye(DEGREE + 1)
         b = np.einsum("nk,nk,kp->np", weight, window, basis)
         residual = window - np.linalg.solve(A, b[..., np.newaxis])[..., 0] @ basis.T
-        masked = np.where(there, np.abs(residual), np.nan)
+        away = np.abs(residual)
+        masked = np.where(there, away, np.nan)
         with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # empty windows
-            size = np.maximum(OUTLYING, 6.0 * 1.48 * np.nanmedian(masked, axis=1))
-        ratio = np.minimum(np.abs(residual) / size[:, np.newaxis], 1.0)
-        weight = there * (1.0 - ratio**2) ** 2
+            size = np.fmax(OUTLYING, 6.0 * 1.48 * np.nanmedian(masked, axis=1))
+        if step < 6:  # absolute values first, which a tear does not pull along
+            weight = there * 5e-6 / np.maximum(away, 5e-6)
+        else:
+            weight = there * (1.0 - np.minimum(away / size[:, np.newaxis], 1.0) ** 2) ** 2
     return np.abs(residual[:, half]) > size
 
 

@@ -245,33 +245,41 @@ def scanned(
     cover = Image.new("L", (columns, rows), sheet.everywhere)
     for (_, material), polygon in zip(sheet.regions, seen, strict=True):
         ImageDraw.Draw(cover).polygon(polygon.ravel().tolist(), fill=int(material))
-    part = np.array(cover, dtype=np.float32)
-    # Where edges are, exactly.
     crossings = [_crossings(polygon) for polygon in seen]
     boxes = [(polygon.min(axis=0), polygon.max(axis=0)) for polygon in seen]
-    n_tiles = -(-np.array([rows, columns]) // TILE)
-    near = np.vstack([polygon[:, ::-1] + at for polygon in seen for at in (-MARGIN, MARGIN)])
-    for i, j in np.unique(near // TILE, axis=0).astype(int):
-        if not (0 <= i < n_tiles[0] and 0 <= j < n_tiles[1]):
-            continue
+    wide = TILE + 2 * MARGIN
+
+    def tile(i: int, j: int) -> NDArray[np.float32]:
+        """Part of each pixel of a tile that is material, exactly, as the optics see it."""
         top, left = i * TILE - MARGIN, j * TILE - MARGIN
-        wide = TILE + 2 * MARGIN
         cells = np.full((wide * FINE, wide * FINE), float(sheet.everywhere), dtype=np.float32)
-        for (_, material), crossing, box in zip(sheet.regions, crossings, boxes, strict=True):
-            if not (box[0] < (left + wide, top + wide)).all() or not (box[1] > (left, top)).all():
-                continue
-            inside = _inside(crossing, top * FINE, left * FINE, wide * FINE)
-            if inside is not None:
+        for (_, material), crossing, (low, high) in zip(
+            sheet.regions, crossings, boxes, strict=True
+        ):
+            if (low < (left + wide, top + wide)).all() and (high > (left, top)).all():
+                inside = _inside(crossing, top * FINE, left * FINE, wide * FINE)
                 cells += inside * (material - cells)
         blurred = gaussian_filter(cells, scanner.spread / pixel * FINE)
         mean = blurred.reshape(wide, FINE, wide, FINE).mean(axis=(1, 3))
-        to = part[i * TILE : (i + 1) * TILE, j * TILE : (j + 1) * TILE]
-        to[:] = mean[MARGIN : MARGIN + to.shape[0], MARGIN : MARGIN + to.shape[1]]
-    grey = sheet.ground + (sheet.material - sheet.ground) * part
-    for dust_x, dust_y, radius, value in sheet.spots:
-        _spot(grey, dust_x / pixel, rows - dust_y / pixel, radius / pixel, value)
-    grey += scanner.noise * rng.standard_normal(grey.shape, dtype=np.float32)
-    image = np.clip(np.rint(grey), 0, 255).astype(np.uint8)
+        return mean[MARGIN:-MARGIN, MARGIN:-MARGIN]
+
+    corners = [(a, b) for a in (-MARGIN, MARGIN) for b in (-MARGIN, MARGIN)]
+    near = np.vstack([polygon[:, ::-1] + at for polygon in seen for at in corners])
+    touched = np.unique(near // TILE, axis=0).astype(int)
+    image = np.empty((rows, columns), dtype=np.uint8)
+    for i in range(-(-rows // TILE)):  # band by band: a whole bed takes gigabytes in floats
+        band = np.array(cover.crop((0, i * TILE, columns, (i + 1) * TILE)), dtype=np.float32)
+        for j in touched[touched[:, 0] == i, 1]:
+            if 0 <= j * TILE < columns:
+                to = band[:, j * TILE : (j + 1) * TILE]
+                to[:] = tile(i, j)[:, : to.shape[1]]
+        grey = sheet.ground + (sheet.material - sheet.ground) * band
+        for dust_x, dust_y, radius, value in sheet.spots:
+            at = dust_x / pixel, rows - dust_y / pixel - i * TILE
+            _spot(grey, at, radius / pixel, value)
+        grey += scanner.noise * rng.standard_normal(grey.shape, dtype=np.float32)
+        to = image[i * TILE : (i + 1) * TILE]
+        to[:] = np.clip(np.rint(grey), 0, 255)[: len(to)]
     return ScanImage(grey=image, pixel=(pixel, pixel), name=name)
 
 
@@ -290,23 +298,22 @@ def _crossings(polygon: Array) -> Array:
     return found[np.argsort(row, kind="stable")]
 
 
-def _inside(crossings: Array, top: int, left: int, n: int) -> NDArray[np.float32] | None:
-    """Part of each of (n, n) cells inside a polygon; None if the square lies outside of it."""
+def _inside(crossings: Array, top: int, left: int, n: int) -> NDArray[np.float32]:
+    """Part of each of (n, n) cells inside a polygon."""
     first, last = np.searchsorted(crossings[:, 0], (top, top + n))
     row, x, sign = crossings[first:last].T
     row, x = (row - top).astype(int), np.clip(x - left, 0.0, n)
-    if not len(x):
-        return None
     column = x.astype(int)
-    change = np.zeros((n, n + 2))
+    change = np.zeros((n, n + 2), dtype=np.float32)
     np.add.at(change, (row, column), sign * (1.0 - (x - column)))
     np.add.at(change, (row, column + 1), sign * (x - column))
-    return np.cumsum(change, axis=1)[:, :n].astype(np.float32)
+    return np.cumsum(change, axis=1)[:, :n]
 
 
-def _spot(grey: Array, column: float, row: float, radius: float, value: float) -> None:
-    r = int(np.ceil(radius)) + 1
+def _spot(grey: NDArray[np.float32], at: tuple[float, float], radius: float, value: float) -> None:
+    """Paint a disc at a column and row, which may lie outside."""
+    (column, row), r = at, int(np.ceil(radius)) + 1
     top, left = max(int(row) - r, 0), max(int(column) - r, 0)
-    part = grey[top : int(row) + r + 1, left : int(column) + r + 1]
+    part = grey[top : max(int(row) + r + 1, 0), left : int(column) + r + 1]
     y, x = np.mgrid[top : top + part.shape[0], left : left + part.shape[1]]
     part[np.hypot(x + 0.5 - column, y + 0.5 - row) < radius] = value

@@ -29,7 +29,7 @@ FULL_INSTANCES = {
     "imu-large": 10, "imu-rest": 10, "laser-irb1400": 20, "laser-irb1400-design": 20,
     "laser-irb1400-poses": 20, "estimation-irb1400": 10, "estimation-arms": 2, "long-way": 10,
     "first-cut": 6, "first-cut-imu": 6, "imu-twin": 2, "robots": 5, "robots-design": 3,
-    "knob-free": 100, "basis-functions": 2, "urdf": 5, "programs": 8,
+    "knob-free": 100, "basis-functions": 2, "urdf": 5, "programs": 8, "scan-image": 20,
 }  # fmt: skip
 
 
@@ -99,6 +99,11 @@ CORRECTED = {
 }
 BY_IMU = {"_left": np.full(30, 0.05), "_inside": np.arange(30) < 27}
 
+SCANNED = {
+    **{"_across, calibrated": np.full(5, 2.0), "_across, not": np.full(5, 4.0)},
+    **{"size, calibrated": 5.0, "place, calibrated": 5.0, "noise, calibrated": 1.0},
+}
+
 BASES: dict[str, list[dict[str, Any]]] = {
     "estimation": [ESTIMATED] * 2,
     "estimation-irb1400": [ON_AN_ARM | {"robot": "irb1400"}] * 6,
@@ -124,6 +129,7 @@ BASES: dict[str, list[dict[str, Any]]] = {
     "knob-free": [KNOB_FREE] * 3,
     "first-cut": [CORRECTED],
     "first-cut-imu": [BY_IMU],
+    "scan-image": [SCANNED] * 2,
 }  # fmt: skip
 
 
@@ -292,6 +298,14 @@ BARS = [
         bar("first-cut-imu", "_inside", inside(good), inside(bad), "inside the interval")
         for good, bad in ((26, 25), (28, 29))
     ),
+    # Of ten contours four or five are above, of which five are the last row's.
+    bar("scan-image", "_across, calibrated", np.full(5, 3.99), np.full(5, 4.01), "10 Hz, all"),
+    bar("scan-image", "_across, calibrated", [2.0] * 4 + [5.99], [2.0] * 4 + [6.01], "same, worst"),
+    bar("scan-image", "_across, not", np.full(5, 2.01), np.full(5, 1.99), "over uncalibrated", 2),
+    upper("scan-image", "size, calibrated", 10.0, "a diameter"),
+    upper("scan-image", "place, calibrated", 10.0, "place of a contour"),
+    upper("scan-image", "noise, calibrated", 2.0, "stated over"),
+    bar("scan-image", "noise, calibrated", 0.501, 0.499, "stated over"),
 ]  # fmt: skip
 
 

@@ -37,10 +37,12 @@ IDEAL = Process(wave=0.0, roughness=0.0)
 
 
 def deviation(name: str, s: np.ndarray) -> np.ndarray:
-    """[m], by arc length: 40 um in a wave of 1 / 3 of a turn, but for mark and kerf."""
-    waves = {"circle": 3, "square": 4}.get(name)
-    turn = s / DRAWING[name].length if name in DRAWING else s
-    return 40e-6 * np.sin(2 * np.pi * (waves or 0) * turn)
+    """[m], by arc length: waves along circle, square and kerf of `DRAWING`, the last wanders by
+    more than its width."""
+    waves, size = {"circle": (3, 40e-6), "square": (4, 40e-6), "kerf": (2, 150e-6)}.get(
+        name, (0, 0)
+    )
+    return size * np.sin(2 * np.pi * waves * s / DRAWING.get(name, circle(0, 0, 1)).length)
 
 
 def cut(

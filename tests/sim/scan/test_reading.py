@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
+from armside.sim.notes import Cause
 from armside.sim.part.arcs import MM
-from armside.sim.scan.reading import SheetScan, read_scan
-from armside.sim.scan.virtual import Process
+from armside.sim.scan.reading import EDGE, SCALE, UNCALIBRATED, SheetScan, read_scan
+from armside.sim.scan.virtual import Process, Scanner
 
-from .sheets import DRAWING, circle, deviation, image, polygon
+from .sheets import DRAWING, MIDDLE, SIZE, circle, deviation, image, polygon
 
 PIXEL_AND_NOISE = 1.5e-6
 """[m] RMS, of the image alone: docs/scan.md, 0.8 to 1.4 um in the trial."""
@@ -84,3 +85,59 @@ def test_the_edge_of_a_piece_lies_half_a_beam_inside():
 def test_a_drawing_without_a_mark_is_refused(drawing, said):
     with pytest.raises(ValueError, match=said):
         read_scan(image(drawing=drawing), drawing)
+
+
+def on_circle(degrees: float, radius: float, turned: float) -> tuple[float, float]:
+    """Place in the image [m] of a point of the circle's edge in the sheet turned by `turned`."""
+    c, s = np.cos(np.radians(turned)), np.sin(np.radians(turned))
+    p = radius * np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
+    x, y = 0.5 * np.array(SIZE) + np.array([[c, -s], [s, c]]) @ (p - MIDDLE)
+    return float(x), float(y)
+
+
+def gap(scan: SheetScan, degrees: float) -> float:
+    """Length [m] that is missing around a place of the circle."""
+    s = np.radians(degrees) * 8 * MM
+    read = scan.contours["circle"].arc_length
+    return float(read[read > s].min() - read[read < s].max())
+
+
+@pytest.mark.parametrize(
+    ("grey", "radius"),
+    [(40.0, 0.3), (40.0, 0.8), (190.0, 0.3), (120.0, 0.2)],
+    ids=["tear", "large tear", "burr", "dust"],
+)
+def test_what_is_torn_burred_or_covered_is_left_out_with_a_note(grey, radius):
+    spot = (*on_circle(60.0, 8.1 * MM, 7.0), radius * MM, grey)
+    scan = read_scan(image(spots=(spot,)), DRAWING)
+    assert np.sqrt(np.mean(errors(scan)["circle"] ** 2)) < PIXEL_AND_NOISE
+    assert 0.8 * radius * MM < gap(scan, 60.0) < 3.0 * radius * MM + 0.4 * MM
+    (note,) = [n for n in scan.notes if "left out" in n.text]
+    assert note.cause is Cause.SCAN
+    assert note.text.startswith("circle: ")
+
+
+def test_a_contour_of_which_too_little_is_seen_is_refused():
+    spots = tuple((*on_circle(d, 8.1 * MM, 7.0), 0.4 * MM, 120.0) for d in range(0, 360, 7))
+    with pytest.raises(ValueError, match="circle is seen along"):
+        read_scan(image(spots=spots), DRAWING)
+
+
+def test_the_stated_noise_is_that_of_a_bin():
+    """The roughness of an edge, means over 0.2 mm: 4 um correlated over 0.1 mm."""
+    scan = read_scan(image(process=Process(wave=0.0, roughness=4e-6)), DRAWING)
+    actual = np.std(errors(scan)["circle"])
+    stated = np.sqrt(scan.contours["circle"].noise ** 2 - UNCALIBRATED**2 - EDGE**2)
+    assert 0.7 * actual < stated < 1.3 * actual
+
+
+def test_a_scanner_that_is_six_per_mille_off_is_said():
+    """A cheap one, nobody calibrated: its scale is in doubt by what was found."""
+    wide = {"a": circle(0, 0, 6), "b": circle(70, 0, 8), "mark": circle(60, 12, 2)}
+    options = {"middle": np.array([33, 3]) * MM, "size": (100 * MM, 40 * MM), "drawing": wide}
+    scan = read_scan(image(2.0, scanner=Scanner(scale=(6e-3, 6e-3)), **options), wide)
+    assert scan.scale == pytest.approx(6e-3, rel=0.05)
+    assert any("0.60 % larger" in note.text for note in scan.notes)
+    good = read_scan(image(2.0, **options), wide)
+    assert good.scale == SCALE
+    assert not any("larger" in note.text for note in good.notes)
