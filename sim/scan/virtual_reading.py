@@ -15,8 +15,9 @@ from armside.arrays import Array
 from ..evaluation.kerf import kerf
 from ..evaluation.tool_error import CONVERGED, STEPS, signed_distance
 from ..motion.contour import ClosedCurve, outward_normal
+from ..notes import Cause, Note
 from .placement import Pose, rigid_step
-from .reading import BEAM, BIN, ScannedContour, SheetScan
+from .reading import BEAM, BIN, SCALE, SCALED, ScannedContour, SheetScan
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,17 +39,22 @@ class ScanErrors:
     """[rad]."""
     wobble: tuple[float, float] = (2e-6, 4e-6)
     """Range of the peak of the carriage's wobble along y; 30 % of it is sideways."""
+    calibrated: bool = True
+    """The scanner has been calibrated, and its reader knows."""
     direction: float = 0.0
     """Width of a kerf cut clockwise less that of one cut the other way round [m], not drawn."""
     drift: float = 0.0
-    """Width of the last kerf less that of the first [m], not drawn: two thirds of it steadily."""
+    """Width of the last kerf less that of the first [m], not drawn; a third of it walks."""
 
 
 CALIBRATED = ScanErrors()
 """By a glass grid."""
-UNCALIBRATED = ScanErrors(scale=1e-3, skew=5e-4, wobble=(10e-6, 30e-6))
-CHEAP = ScanErrors(scale=6e-3, skew=5e-4, wobble=(30e-6, 30e-6))
+UNCALIBRATED = ScanErrors(calibrated=False, scale=1e-3, skew=5e-4, wobble=(10e-6, 30e-6))
+CHEAP = ScanErrors(calibrated=False, scale=6e-3, skew=5e-4, wobble=(30e-6, 30e-6))
 """Scale as discuss.pixls.us 29481 has of an Epson V200."""
+
+
+_SAID = "the scanner is not calibrated: sizes are off by its scale"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,7 +117,8 @@ def virtual_scan(
         placement=(pose.x, pose.y, pose.angle),
         beam=beam,
         beam_measured=beam_measured,
-        scale=errors.scale,
+        scale=_stated(again, cut, errors.calibrated),
+        notes=() if errors.calibrated else (Note(cause=Cause.SCAN, text=_SAID),),
     )
 
 
@@ -185,7 +192,23 @@ def _wobble(rng: np.random.Generator, errors: ScanErrors) -> Callable[[Array], A
     return at
 
 
+def _stated(placed: Sequence[Array], cut: Mapping[str, BeamPath], calibrated: bool) -> float:
+    """Standard deviation of the scale as a reader states it, who sees the contours alone."""
+    if calibrated:
+        return CALIBRATED.scale
+    rows, off = list[Array](), list[Array]()
+    for one, points in zip(cut.values(), placed, strict=True):
+        p = points - one.middle
+        n = _normals(one.curve, one.curve.nearest(p))
+        turned = points[:, 0] * n[:, 1] - points[:, 1] * n[:, 0]
+        rows.append(np.column_stack([n, turned, n * points]))
+        off.append(signed_distance(one.curve, p))
+    fitted = np.linalg.lstsq(np.vstack(rows), np.concatenate(off), rcond=1e-9)[0][3:]
+    largest = float(np.abs(fitted).max())
+    return max(SCALE, largest) if largest > SCALED else SCALE
+
+
 def _drift(rng: np.random.Generator, n: int, size: float) -> Array:
-    """(n,) [m], of the width of each kerf: two thirds steady, one third a random walk."""
-    steady = np.linspace(-0.5, 0.5, n) * 2.0 / 3.0
+    """(n,) [m], of the width of each kerf: steady, and a random walk of a third."""
+    steady = np.linspace(-0.5, 0.5, n)
     return size * (steady + rng.standard_normal(n).cumsum() / np.sqrt(n) / 3.0)

@@ -223,6 +223,9 @@ def commission(
     """
     if not cuts:
         raise ValueError("commissioning needs one recorded cut or more")
+    names = {sensor_of(cut, measure) for cut in cuts}
+    if names == {"tracker", "scan"}:
+        raise ValueError("a coupon goes with cuts by an IMU, or alone, not with those of a tracker")
     design = design_of(robot, payload)
     sensors = [SENSORS[sensor_of(cut, measure)] for cut in cuts]
     for cut, sensor in zip(cuts, sensors, strict=True):
@@ -238,7 +241,6 @@ def commission(
             ],
             sensor,
         )
-    names = {sensor_of(cut, measure) for cut in cuts}
     twin = Twin(
         robot=robot,
         digest=robot_digest(robot),

@@ -64,11 +64,10 @@ def is_identified(parameters: Parameters, covariance: Array) -> np.ndarray:
 _FACTORS: Mapping[TwinSensor, Mapping[int, tuple[float, float, float]]] = {
     "tracker": {10: (0.53, 1.0, 1.7), 4: (0.36, 0.84, 1.42), 2: (0.24, 0.5, 0.94)},
     "imu": {10: (0.57, 1.0, 1.92)},
-    "scan": {8: (0.57, 1.0, 1.92)},
-    "imu and scan": {12: (0.57, 1.0, 1.92)},
 }
 """Lower end of the interval of 90 %, expected error and upper end, over r; by the sensor and the
-number of cuts that the twin was identified from."""
+number of cuts that the twin was identified from. Not fitted yet to twins that a scan was used for:
+they have those of an IMU, and are not called calibrated."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +98,7 @@ class FirstCutPrediction:
 
 def factors(evidence: Evidence) -> tuple[float, float, float]:
     """Lower end, expectation and upper end over r."""
-    known = _FACTORS[evidence.sensor]
+    known = _FACTORS.get(evidence.sensor, _FACTORS["imu"])
     # Of the largest number of cuts that is not above this twin's; of the most below all.
     return known[max((n for n in known if n <= evidence.n_cuts), default=max(known))]
 
@@ -110,7 +109,7 @@ def predicted(
     """Prediction from errors in the twin and around it, (n,), all in m."""
     spread = max(float(np.mean(around**2)) - inside**2, 0.0)
     variance = inside**2 + _SPREAD**2 * spread + (_RESIDUAL * evidence.residual) ** 2
-    known, r = _FACTORS[evidence.sensor], float(np.sqrt(variance))
+    r = float(np.sqrt(variance))
     low, middle, high = factors(evidence)
     return FirstCutPrediction(
         uncorrected=uncorrected,
@@ -118,7 +117,7 @@ def predicted(
         expected=middle * r,
         low=low * r,
         high=high * r,
-        calibrated=evidence.n_cuts >= min(known),
+        calibrated=evidence.n_cuts >= min(_FACTORS.get(evidence.sensor, {np.inf: ()})),
     )
 
 

@@ -55,12 +55,13 @@ def run(case: tuple[int, str], tally: Tally) -> Iterator[Row]:
 def learned(number: int, name: str, seed: int, n_tasks: int, tally: Tally) -> np.ndarray:
     """(n_tasks, PARTS + 1), left after each part; of a loop that diverged the last one stays."""
     rows = []
-    for _, cut in tasks(n_tasks, seed + number):
+    for i, (_, cut) in enumerate(tasks(n_tasks, seed + number)):
+        own = 100 * number + i  # each task has a scanner, assumed springs and noise of its own
         measure = MEASURES[name].measure
         mine = replace(cut, individual=Drawn(number), imu=measure.imu)
-        experiment, rms = prepare(mine, seed=seed), list[float]()
+        experiment, rms = prepare(mine, seed=own), list[float]()
         tally.add(motion_notes(experiment.motion, mine.limits))
-        for iteration in learn(mine, measure=measure, iterations=PARTS, seed=seed):
+        for iteration in learn(mine, measure=measure, iterations=PARTS, seed=own):
             rms.append(iteration.tool_true.rms)
             tally.add(pass_notes(experiment, iteration.run))
         rms += [rms[-1]] * (PARTS + 1 - len(rms))
