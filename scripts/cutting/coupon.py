@@ -38,7 +38,7 @@ def write_drawing(folder: Path, sheet: tuple[float, float]) -> None:
     """
     import ezdxf
 
-    document = ezdxf.new(units=4)
+    document = ezdxf.new(units=4)  # pyright: ignore[reportPrivateImportUsage]
     space = document.modelspace()
     contours = coupon(sheet)
     for name, curve in drawing(sheet).items():

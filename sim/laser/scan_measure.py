@@ -12,7 +12,6 @@ law, are those that explain the first scan.
 import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -286,7 +285,7 @@ class ScanOutput:
         text = "no springs explain the first scan better than none: those assumed are used instead"
         return (Note(cause=Cause.SCAN, text=text),)
 
-    @cached_property
+    @property
     def reference(self) -> Array:
         """(N, 6), the programmed path from rest."""
         return relative_to_start(self.experiment.programmed)
@@ -339,7 +338,8 @@ class ScanOutput:
 
     def _expected(self, motor_angle: Array) -> Array:
         """(N, 3) [m], tool by motors and springs, from its programmed place at rest."""
-        motion = rigid_motion(self.arm, LOG_PERIOD * np.arange(len(motor_angle)), motor_angle)
+        time: Array = np.arange(len(motor_angle), dtype=np.float64) * LOG_PERIOD
+        motion = rigid_motion(self.arm, time, motor_angle)
         return self.experiment.programmed[0] + _tool(motion, self.springs)
 
     def _off_path(self, path: Array) -> tuple[Array, Array]:
