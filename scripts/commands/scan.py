@@ -1,5 +1,6 @@
 """`armside scan`: a flatbed scanner as the sensor: calibrated by a grid, and a cut sheet read."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -194,7 +195,7 @@ def _given(cfg: ScanCfg) -> dict[str, Any]:
     return {name: value for name in cfg.__dataclass_fields__ if (value := getattr(cfg, name))}
 
 
-def described(found: "SheetScan", drawing: "dict[str, ClosedCurve]") -> dict[str, Any]:
+def described(found: "SheetScan", drawing: "Mapping[str, ClosedCurve]") -> dict[str, Any]:
     """Entries of the summary, in SI units. size_error: of a diameter or width, None of an
     open cut."""
     contours = [

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from armside.arrays import Array
 
 from ..records.files import check_file, reading
-from .image import Outline, ScanImage, edge_near, kerf_middle, outlines
+from .image import Outline, ScanImage, edge_near, kerf_near, outlines
 
 SAME = 0.5e-3
 """Largest difference between the scanned areas of grid and sheet [m]."""
@@ -210,13 +210,13 @@ def _lattice(
         raise ValueError(f"{image.name}: its cells are not {1e3 * pitch:g} mm apart")
     angle = float(np.angle(np.exp(4j * np.arctan2(apart[:, 1], apart[:, 0])).mean())) / 4.0
     c, s = np.cos(angle), np.sin(angle)
-    affine = np.vstack([pitch * np.array([[c, s], [-s, c]]), middle[len(middle) // 2]])
-    index = np.zeros((len(middle), 2), dtype=np.int64)
+    affine: Array = np.vstack([pitch * np.array([[c, s], [-s, c]]), middle[len(middle) // 2]])
+    index, off = np.zeros((len(middle), 2), dtype=np.int64), np.zeros(len(middle))
     for _ in range(3):
         index = np.rint((middle - affine[2]) @ np.linalg.inv(affine[:2])).astype(np.int64)
         J = np.column_stack([index, np.ones(len(index))])
-        affine = np.linalg.lstsq(J, middle, rcond=None)[0]
-    off = np.linalg.norm(J @ affine - middle, axis=1)
+        affine = np.asarray(np.linalg.lstsq(J, middle, rcond=None)[0], dtype=np.float64)
+        off = np.linalg.norm(J @ affine - middle, axis=1)
     if np.median(off) > 0.05 * pitch or len(np.unique(index, axis=0)) < len(index):
         raise ValueError(f"{image.name}: its cells form no grid of {1e3 * pitch:g} mm")
     return angle, affine, index
@@ -234,7 +234,7 @@ def _middles(
     at = np.clip(((points - origin) @ step / (step @ step)).astype(int), 0, n - 1)
     share = np.bincount(at, weights=used, minlength=n) / np.maximum(np.bincount(at, minlength=n), 1)
     keep = share > 0.99
-    beside = kerf_middle(image, points, np.tile(normal, (len(points), 1)))[:, np.newaxis] * normal
+    beside = kerf_near(image, points, np.tile(normal, (len(points), 1)))[0][:, np.newaxis] * normal
     for side in (1.0, -1.0):
         out = np.tile(side * normal, (len(points), 1))
         edge = edge_near(image, points + beside + 0.5 * width * out, out, narrow=0.5 * width).points

@@ -49,6 +49,8 @@ CONTRAST = 30.0
 BLURRED = 50e-6
 """Standard deviation from which the spread of an edge is no scanner's [m]: by this measure 30 um at
 600 dpi and 44 at 500 with poor optics, 60 at 200 dpi scaled up."""
+ACROSS = 20e-6
+"""Step across a kerf that is searched for [m]."""
 BESIDE = (80e-6, 110e-6)
 """Distances from a point of the edge at which both sides have their greys [m]; a kerf's is its
 middle."""
@@ -249,7 +251,7 @@ def edge_near(image: ScanImage, expected: Array, outwards: Array, *, narrow: flo
         if not abs(contrast) >= CONTRAST:
             continue
         points = _crossing(image, expected[of], 0.5 * (inside + outside))
-        distance, i = tree.query(points)
+        distance, i = map(np.asarray, tree.query(points))
         # What is nearer to another piece is read with that one.
         own = (distance < WINDOW) & (i >= of[0]) & (i <= of[-1])
         points, i = points[own], i[own]
@@ -275,17 +277,22 @@ def edge_near(image: ScanImage, expected: Array, outwards: Array, *, narrow: flo
     )
 
 
-def kerf_middle(image: ScanImage, expected: Array, normal: Array) -> Array:
-    """(N,) [m], by which the middle of a kerf or line lies beside an expected one (N, 2)."""
+def kerf_near(image: ScanImage, expected: Array, normal: Array) -> tuple[Array, float]:
+    """Offset (N,) [m] of the middle of a kerf or line from an expected one (N, 2), and its width
+    [m], both roughly."""
     from scipy.ndimage import median_filter, uniform_filter
 
-    t = np.arange(-WINDOW, WINDOW, 25e-6)
+    t = np.arange(-WINDOW, WINDOW, ACROSS)
     grey = np.array([image.at(expected + d * normal) for d in t]).T
     grey = np.where(np.isfinite(grey), grey, np.nanmedian(grey))
-    dark = np.abs(grey - np.median(grey, axis=1)[:, np.newaxis])
-    # The mean over 1 mm of a kerf and its width.
-    mean = uniform_filter(dark, (10, 8), mode="nearest")
-    return median_filter(t[np.argmax(mean, axis=1)], 21, mode="nearest")
+    contrast = np.abs(grey - np.median(grey, axis=1)[:, np.newaxis])
+    # The mean over 1 mm of a kerf and over 0.2 mm across it.
+    mean = uniform_filter(uniform_filter(contrast, 10, axes=0), 8, axes=1)
+    offset = median_filter(t[np.argmax(mean, axis=1)], 21, mode="nearest")
+    middle = expected + offset[:, np.newaxis] * normal
+    across = np.array([np.nanmean(image.at(middle + d * normal)) for d in t])
+    step = np.abs(across - np.median(across))
+    return offset, float(ACROSS * np.sum(step > 0.5 * step.max()))
 
 
 def _smooth(values: Array) -> Array:

@@ -18,6 +18,8 @@ STEP = 1e-3
 """Distance of the points that stand for a contour in the search [m]."""
 SIMILAR = 0.12
 """Relative difference of area within which an outline may be a contour."""
+WIDER = 0.15e-3
+"""Or the offset of its edge, as by a wider beam [m]."""
 STRETCHED = 0.012
 """Relative difference of distances, twice the 0.6 % that a cheap scanner was found off by."""
 LOOSE = 1.0e-3
@@ -146,8 +148,9 @@ def located(drawn: Sequence[DrawnContour], found: Sequence[Outline]) -> Pose:
 def _like(contour: DrawnContour, found: Sequence[Outline]) -> list[Outline]:
     """Outlines of its area, the nearest in area first."""
     area = contour.area_and_middle[0]
-    off = [(abs(outline.area / area - 1.0), i) for i, outline in enumerate(found)]
-    return [found[i] for difference, i in sorted(off)[:40] if difference < SIMILAR]
+    largest = max(SIMILAR * area, WIDER * contour.curve.length)
+    off = [(abs(outline.area - area), i) for i, outline in enumerate(found)]
+    return [found[i] for difference, i in sorted(off)[:40] if difference < largest]
 
 
 def _starts(closed: Sequence[DrawnContour], like: Sequence[Sequence[Outline]]) -> Iterator[Pose]:

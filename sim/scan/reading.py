@@ -13,7 +13,7 @@ from armside.arrays import Array
 from ..motion.contour import ClosedCurve, outward_normal
 from ..notes import Cause, Note
 from .calibration import Calibration
-from .image import BLURRED, WHITE, WINDOW, Edge, ScanImage, edge_near, kerf_middle, outlines
+from .image import BLURRED, WHITE, WINDOW, Edge, ScanImage, edge_near, kerf_near, outlines
 from .placement import FOUND, DrawnContour, Pose, Seen, located, rigid_step, shift
 
 BEAM = 0.2e-3
@@ -145,17 +145,19 @@ def _read(
         is_kerf = contour.seen is Seen.KERF
         expected, normal = contour.edge(SPACING, 0.5 * BEAM * contour.seen.value)
         at, out = pose.to_image(expected) + moved, normal @ pose.matrix.T
+        half = 0.0
         if is_kerf:
-            at = at + kerf_middle(image, at, out)[:, np.newaxis] * out
+            beside, width = kerf_near(image, at, out)
+            at, half = at + beside[:, np.newaxis] * out, 0.5 * width
         for sign in (1, -1) if is_kerf else (contour.seen.value,):
-            away, narrow = (sign * out, 0.5 * BEAM) if is_kerf else (out, 0.0)
+            away, narrow = (sign * out, half) if is_kerf else (out, 0.0)
             edge = edge_near(image, at + narrow * away, away, narrow=narrow)
             sides.append(_Side(contour, sign, edge))
     _check(sides)
     points = [side.edge.points for side in sides]
     if calibration is not None:
         points = [calibration.corrected(each) for each in points]
-    widths = list[Array]()
+    widths, bins = list[Array](), list[_Bins]()
     for _ in range(STEPS):
         bins = [
             _binned(side, pose.to_drawing(each)) for side, each in zip(sides, points, strict=True)

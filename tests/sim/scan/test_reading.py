@@ -48,10 +48,16 @@ def test_a_sheet_is_read_whatever_its_angle_greys_and_face(degrees, options):
     assert any("mirrored" in note.text for note in scan.notes) == bool(options.get("mirrored"))
 
 
-def test_an_open_kerf_gives_the_beam():
-    scan = read_scan(image(process=Process(error=15e-6, wave=0.0, roughness=0.0)), DRAWING)
+@pytest.mark.parametrize("width", [0.1, 0.215, 0.4])
+def test_an_open_kerf_gives_the_beam(width):
+    """Of thin steel, of the default beam, of a wide one [mm]."""
+    scan = read_scan(image(process=Process(beam=width * MM, wave=0.0, roughness=0.0)), DRAWING)
     assert scan.beam_measured
-    assert scan.beam == pytest.approx(0.215 * MM, abs=1e-6)
+    assert scan.beam == pytest.approx(width * MM, abs=1e-6)
+    assert np.abs(errors(scan)["circle"].mean()) < 1e-6
+
+
+def test_a_beam_that_is_given_counts_and_its_difference_is_said():
     # A beam that is assumed 15 um too narrow makes holes 15 um too large in diameter.
     assumed = read_scan(
         image(process=Process(error=15e-6, wave=0.0, roughness=0.0)), DRAWING, beam=0.2 * MM
