@@ -45,9 +45,9 @@ def by_frequency(response: Response, signal: Array) -> Array:
     return found[PAD : PAD + n]
 
 
-def laplace(n: int) -> Response:
-    """s = j omega [rad/s] of a padded record of n samples."""
-    return np.asarray(2j * np.pi * np.fft.rfftfreq(n + 2 * PAD, STEP), dtype=np.complex128)
+def laplace(n: int, step: float = STEP) -> Response:
+    """s = j omega [rad/s] of a padded record of n samples, one every `step` [s]."""
+    return np.asarray(2j * np.pi * np.fft.rfftfreq(n + 2 * PAD, step), dtype=np.complex128)
 
 
 @dataclass(frozen=True, kw_only=True)

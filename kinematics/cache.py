@@ -68,6 +68,11 @@ def cached_module(
         return _LOADED[path]
 
 
+def loaded_files() -> list[Path]:
+    """Files of the modules that this process has loaded, with their machine code."""
+    return [file for path in _LOADED for file in (path, *_compiled(path)) if file.exists()]
+
+
 def _load(name: str, path: Path, source: Callable[[], str]) -> ModuleType:
     text = None
     try:

@@ -20,6 +20,7 @@ COMMANDS = {
     "design": ("Learn", "Propose gain, shift and cutoff for a model."),
     "tune": ("Learn", "Search the design of the learning law with Optuna."),
     "train": ("Learn", "Learn a policy that chooses designs (extra [learn])."),
+    "contest": ("Learn", "Judge and rank entries of learning control on sealed tasks."),
     "robot": ("Robot", "Check, show or build a robot, or start its robot file."),
     "export": ("Robot", "Write a robot's equations, a robot, or what a run learned."),
     "measure": ("Real arm", "Measure recorded data, a run's or your own."),

@@ -18,7 +18,6 @@ from ..shell.errors import InputError, checking_input
 from ..shell.options import SOME, Common, Limits, options, path_checked
 from ..thesis import entries
 from ..thesis.pages import check_row, columns, count, html, markdown
-from ..thesis.paper_bands import NOT_BUILT, OUTSIDE
 from ..thesis.report import KIND, MARKER, AbsentError, Asked, Part, ReportFolder, Section, as_rows
 
 if TYPE_CHECKING:
@@ -99,8 +98,8 @@ def reproduce(
     """Make figures and numbers of the thesis again and compare them, in one report.
 
     papers compares with measurements of others, by T1-acceleration-motor, T1-acceleration-load,
-    T1-tcp, T1-rest, T1-peak, bench-first, bench-ten, bench-wrong, T3-dkf and T3-kkf. Not built, and
-    without a value: T2-smoother, T2-doubled, T2-online, L1, N1.
+    T1-tcp, T1-rest, T1-peak, T1-two-stage-motor, T1-two-stage-load, bench-first, bench-ten,
+    bench-wrong, T2-smoother, T2-doubled, T2-online, T3-dkf, T3-kkf, L1 and N1.
 
     Writes report.html, which needs no network, report.md with figures/, and report.json. What an
     earlier or interrupted call has finished in the same folder is not run again.
@@ -209,9 +208,4 @@ def _print(report: Report, shown: list[Section]) -> None:
         if section.source == "paper"
         for c in section.checks
     ]
-    if any(section.id == OUTSIDE for section in shown):
-        papers += [
-            {"id": id, "paper": paper, "band": band, "value": None, "holds": False}
-            for id, (_, paper, band) in NOT_BUILT.items()
-        ]
     report.summary(found | ({"checks": papers} if papers else {}))

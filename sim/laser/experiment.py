@@ -5,6 +5,7 @@ What is fixed before the first run, one run, and one iteration of learning.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Generic
 
 import numpy as np
@@ -156,8 +157,8 @@ class Iteration:
     contours: tuple[ToolError, ...] = field(repr=False)
     contours_true: tuple[ToolError, ...] = field(repr=False)
     """Of each contour."""
-    motion_error: MotionError = field(repr=False)
-    """Of the whole record, from the ground truth."""
+    measured_motion: Callable[[], MotionError] = field(repr=False)
+    """Computes `motion_error`, which takes a tenth of a run."""
     diverged: bool
     converged: tuple[bool, ...] = ()
     """Contours that keep the correction of an earlier iteration."""
@@ -165,6 +166,11 @@ class Iteration:
     """Notes of the learning loop."""
     state: RunState | None = field(default=None, repr=False)
     """State that learning can go on from after it; None where it has none."""
+
+    @cached_property
+    def motion_error(self) -> MotionError:
+        """Of the whole record, from the ground truth."""
+        return self.measured_motion()
 
 
 def prepare(

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -125,8 +126,12 @@ def iterate(
             tool_true=cut.whole(motion, true),
             contours=tracked,
             contours_true=true,
-            motion_error=motion_error(
-                motion, run.recording.truth, loaded.model.mj, free_rotation=cut.cell.free_rotation
+            measured_motion=partial(
+                motion_error,
+                motion,
+                run.recording.truth,
+                loaded.model.mj,
+                free_rotation=cut.cell.free_rotation,
             ),
             diverged=grown or not bool(np.isfinite(error).all()),
             converged=held,

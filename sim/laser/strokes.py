@@ -1,10 +1,10 @@
-"""A closed polygon of straight strokes in one plane, each from rest to rest: a `Setup` of learning.
+"""Straight strokes in one plane, each from rest to rest: a `Setup` of learning.
 
 The square of Chen and Tomizuka, IEEE Trans. Control Systems Technology 22(4), 2014, is not a
 contour with rounded corners: the tool stops in each.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from itertools import pairwise
@@ -14,7 +14,8 @@ import numpy as np
 from armside import assets
 from armside.arrays import Array, check_numbers
 
-from ..cell import CELLS
+from ..cell import CELLS, Cell
+from ..estimation.imu_health import ImuError
 from ..evaluation.contour_error import contour_errors
 from ..evaluation.motion_error import MotionError
 from ..evaluation.tool_error import ToolError
@@ -27,7 +28,7 @@ from ..part.motion import CutLeg, PartMotion, samples_until
 from ..robot.statics import Statics
 from ..robot.virtual_robot import LOG_PERIOD
 from ..robot_file.find import find_cell
-from .experiment import prepare
+from .experiment import Iteration, prepare
 from .loop import learn
 from .part_cut import JointSpeedError, reference, timed
 from .specification import Ended, Row, Setup, Timed
@@ -36,17 +37,21 @@ ROBOTS = assets.LARGE_ROBOT_XML.parent
 REST_BEFORE, REST_AFTER = 0.5, 1.0
 """[s], as in the record of the paper: from 1.5 to 5.5 s, with strokes from 2.0 s on."""
 PERIOD = 0.75
-"""[s], from the beginning of a stroke to that of the next."""
+"""[s], of the square."""
 SLOWER = 0.9
 """Factor on the speed, as often as a joint would be too fast. ESTIMATE"""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Strokes(Setup[PartMotion]):
-    """Square of four strokes around the pose. SI units."""
+    """Strokes around the pose, without `corners` those of a square. SI units."""
 
     side: float = 0.1
-    """[m]."""
+    """[m], of the square."""
+    corners: tuple[tuple[float, float], ...] = ()
+    """(S + 1) places [m] in the plane, from the pose, at which the tool stops."""
+    period: float = PERIOD
+    """[s], from the beginning of a stroke to that of the next."""
     speed: float = 1.0
     """[m/s], at most."""
     limits: PathLimits = field(default_factory=lambda: PathLimits(acceleration=12.5, jerk=400.0))
@@ -69,22 +74,23 @@ class Strokes(Setup[PartMotion]):
 
     def _motion(self, speed: float) -> PartMotion:
         half = 0.5 * self.side
-        corners = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]], dtype=np.float64)
-        timing = rest_to_rest(self.side, speed, self.limits)
-        if timing.duration > PERIOD:
-            longest = f"the time of {PERIOD:g} s from one to the next"
-            raise ValueError(f"a stroke takes {timing.duration:.3g} s, more than {longest}")
+        square = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]], dtype=np.float64)
+        paths = [Chain(np.array(ends), np.zeros(1)) for ends in pairwise(self.corners or square)]
+        timings = [rest_to_rest(path.length, speed, self.limits) for path in paths]
+        if (duration := max(timing.duration for timing in timings)) > self.period:
+            longest = f"the time of {self.period:g} s from one to the next"
+            raise ValueError(f"a stroke takes {duration:.3g} s, more than {longest}")
         legs = tuple(
             CutLeg(
-                path=Chain(np.array(ends), np.zeros(1)),
+                path=path,
                 timing=timing,
-                start=REST_BEFORE + PERIOD * i,
+                start=REST_BEFORE + self.period * i,
                 name=f"stroke {i + 1}",
                 kind=Kind.OPEN,
                 lead=0.0,
                 asked_speed=self.speed,
             )
-            for i, ends in enumerate(pairwise(corners))
+            for i, (path, timing) in enumerate(zip(paths, timings, strict=True))
         )
         return PartMotion(
             legs=legs,
@@ -103,7 +109,7 @@ class Strokes(Setup[PartMotion]):
         return contour_errors(motion, time[::every], position[::every], None)
 
     def whole(self, motion: PartMotion, errors: Sequence[ToolError]) -> ToolError:
-        """Strokes are equally long."""
+        """Strokes count alike."""
         return ToolError(
             rms=float(np.sqrt(np.mean([error.rms**2 for error in errors]))),
             maxdev=max(error.maxdev for error in errors),
@@ -128,6 +134,11 @@ class Strokes(Setup[PartMotion]):
         return {"reached_speed": motion.cuts[0].reached_speed}
 
 
+def robot_of(name: str) -> Cell:
+    """Cell of a name, or of a file of the folder of robots."""
+    return find_cell(name if name in CELLS else str(ROBOTS / name))
+
+
 @dataclass(frozen=True)
 class StrokesJob:
     """Learning the square by one measured output: ten runs of one individual."""
@@ -147,18 +158,22 @@ class StrokesJob:
     def run(self) -> dict[str, Array]:
         """Scalar fields of `MotionError` (10,) by name, NaN from a refusal or divergence on, and
         `reached_speed` [m/s]."""
-        named = self.robot if self.robot in CELLS else str(ROBOTS / self.robot)
-        cut = Strokes(robot=find_cell(named), across_tool=True, individual=self.individual)
-        names = fields_of_numbers()
-        found = np.full((self.iterations + 1, len(names)), np.nan)
+        cut = Strokes(robot=robot_of(self.robot), across_tool=True, individual=self.individual)
         speed = prepare(cut, seed=self.individual).motion.cuts[0].reached_speed
-        with suppress(ValueError):  # refused: it has no numbers
-            for it in learn(
-                cut, measure=self.measure, iterations=self.iterations, seed=self.individual
-            ):
-                if not it.diverged:
-                    found[it.k] = [getattr(it.motion_error, name) for name in names]
-        return dict(zip(names, found.T, strict=True)) | {"reached_speed": np.array(speed)}
+        runs = learn(cut, measure=self.measure, iterations=self.iterations, seed=self.individual)
+        return by_run(runs, self.iterations) | {"reached_speed": np.array(speed)}
+
+
+def by_run(runs: Iterable[Iteration], iterations: int) -> dict[str, Array]:
+    """Scalar fields of `MotionError` (`iterations` + 1,) by name, NaN from a refusal or divergence
+    on."""
+    names = fields_of_numbers()
+    found = np.full((iterations + 1, len(names)), np.nan)
+    with suppress(ImuError):  # refused: it has no numbers
+        for it in runs:
+            if not it.diverged:
+                found[it.k] = [getattr(it.motion_error, name) for name in names]
+    return dict(zip(names, found.T, strict=True))
 
 
 def fields_of_numbers() -> list[str]:

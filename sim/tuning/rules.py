@@ -263,11 +263,11 @@ class Rules(EnvCfg):
         if isinstance(decision, Design):
             ahead["criterion"] = self.criterion(decision)
         if isinstance(decision, Design) and self.version:
-            _, error = self.predicted(after, decision)
+            correction, error = self.predicted(after, decision)
             gear = after.experiment.loaded.model.drives.gear
             ahead["motor_error_predicted"] = two_norm(error * gear)
             if self.truncated(after):
-                held = self.held(after, decision)
+                held = self._at_horizon(after, correction)
                 later = self.score(before, held)
                 if ahead["criterion"] >= 1.0:
                     later = later._replace(reward=WORST_REWARD)
@@ -293,7 +293,10 @@ class Rules(EnvCfg):
 
     def held(self, situation: Situation, design: Design, until: int = HORIZON) -> Situation:
         """A run with the correction that is predicted; the episode's noise stays as it is."""
-        correction, _ = self.predicted(situation, design, until)
+        return self._at_horizon(situation, self.predicted(situation, design, until)[0])
+
+    @staticmethod
+    def _at_horizon(situation: Situation, correction: Array) -> Situation:
         return run(restarted(situation), correction, HORIZON)
 
     def observe(self, situation: Situation) -> np.ndarray:

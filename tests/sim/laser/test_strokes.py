@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from armside.sim.laser.experiment import prepare
+from armside.sim.laser.loop import learn
+from armside.sim.laser.specification import Cut
 from armside.sim.laser.strokes import PERIOD, REST_BEFORE, ROBOTS, Strokes, StrokesJob
 from armside.sim.motion.timing import PathLimits
 from armside.sim.robot_file.find import find_cell
@@ -43,6 +45,24 @@ def test_a_stroke_that_would_outlast_its_period_is_refused():
     slow = Strokes(limits=PathLimits(acceleration=0.1, jerk=400.0))
     with pytest.raises(ValueError, match=r"a stroke takes 2 s, more than the time of 0.75 s"):
         prepare(slow)
+
+
+def test_strokes_stop_at_each_corner_that_is_given():
+    places = ((-0.1, 0.0), (0.0, 0.05), (0.1, 0.0))
+    cut = Strokes(corners=places, period=1.0, limits=PathLimits(acceleration=2.0, jerk=100.0))
+    motion = prepare(cut).motion
+    seen = motion.position_at(np.array([0.0, REST_BEFORE + 0.95, REST_BEFORE + 1.95]))
+    middle = np.array(cut.tool_pose.position)
+    np.testing.assert_allclose(seen - middle, np.pad(places, ((0, 0), (0, 1))), atol=1e-9)
+
+
+def test_the_error_of_motion_is_computed_when_it_is_asked_for(monkeypatch):
+    asked = []
+    monkeypatch.setattr("armside.sim.laser.loop.motion_error", lambda *_, **__: asked.append(1))
+    (run,) = learn(Cut(), iterations=0)
+    assert not asked
+    assert run.motion_error is run.motion_error is None
+    assert asked == [1]
 
 
 @pytest.mark.parametrize("name", ["side", "speed"])

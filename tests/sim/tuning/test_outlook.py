@@ -77,7 +77,7 @@ def test_the_last_reward_is_that_of_the_worse_of_two_runs(quick, monkeypatch):
     now = after.measured.rms
     for later in (0.5 * now, 2.0 * now):
         worse = replace(after, measured=replace(after.measured, rms=later))
-        monkeypatch.setattr(Rules, "held", lambda *_, worse=worse: worse)
+        monkeypatch.setattr(Rules, "_at_horizon", lambda *_, worse=worse: worse)
         _, reward, *_, info = rules.step(before, after, THESIS)
         assert info["rms_held"] == later
         assert reward == pytest.approx(np.log(before.measured.rms / max(now, later)))

@@ -1,0 +1,32 @@
+"""Chart of a track: what each entry leaves over its runs, and its harm rate beside."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .canvas import COLORS, MARKERS, panels
+
+
+def draw(file: Path, results: list[dict[str, Any]], title: str) -> None:
+    """Geometric mean of the curves by run, the last value held; and the part of tasks harmed."""
+    names = [result["entry"]["name"] for result in results]
+    look: dict[str, Any] = {"titles": ("left of the error, geometric mean", "tasks harmed")}
+    with panels(file, (8.4, 3.8), 1, 2, title=title, ruled=True, **look) as axes:
+        curves, harm = np.ravel(axes)
+        for i, result in enumerate(results):
+            rows = [row["curve"] for row in result["tasks"] if row["curve"]]
+            if not rows:
+                continue
+            longest = max(map(len, rows))
+            held = [row + row[-1:] * (longest - len(row)) for row in rows]
+            style = {"color": COLORS[i % len(COLORS)], "marker": MARKERS[i // len(COLORS)]}
+            mean = np.exp(np.log(np.maximum(held, 1e-4)).mean(axis=0))
+            curves.plot(mean, label=names[i], ms=3, markevery=max(1, longest // 8), **style)
+        curves.set_yscale("log")
+        curves.set_xlabel("run k")
+        curves.legend(ncols=2, fontsize=6)
+        rates = [np.mean([row["harm"] for row in result["tasks"]]) for result in results]
+        harm.barh(names, rates, color="#9A9A9A")
+        harm.set_xlim(0.0, 1.0)
+        harm.invert_yaxis()

@@ -1,0 +1,189 @@
+"""The judge: an entry's tasks, one process each, scored by the ground truth.
+
+A task is lost, with a reason, where the entry raises, hangs, ends, or returns something that is no
+allowed correction; its robot does not move then.
+"""
+
+import hashlib
+import json
+import os
+import platform
+import time
+from collections.abc import Callable, Iterator, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..notes import GROWTH
+from ..records.files import InputError, check_file, reading
+from .entry_process import EntryError, EntryProcess
+from .seal import Round
+from .task import Task, Track
+from .tracks import track as track_of
+
+SCHEMA = "armside-contest-1"
+LARGEST = 10.0
+"""Left of a lost task, and the most that counts of any other."""
+SMALLEST = 1e-4
+"""The least that counts."""
+SAME = 1e-6
+"""Relative difference up to which a task comes out the same on another machine."""
+ISOLATED = frozenset(("file system", "processes", "network"))
+"""What the process of an entry must have left for a judged round."""
+Row = dict[str, Any]
+
+
+def play(source: str, task: Task, track: Track, entry: EntryProcess) -> Row:
+    """One task: left, curve (of each run), harm, runs, seconds of the entry; reason of a loss."""
+    N, n = task.given["reference"].shape
+    plain, errors = task.plain(), list[float]()
+    took, correction, reason = 0.0, np.zeros((N, n)), ""
+    try:
+        entry.load(source)
+        call, of = "start", task.given
+        for k in range(track.runs):
+            began = time.perf_counter()
+            found = entry.call(call, of, (N, n), track.seconds)
+            took += time.perf_counter() - began
+            if found is None:
+                break
+            if beyond := task.limits.exceeded(found):
+                raise EntryError(f"run {k} is beyond the robot's limits: {beyond}")
+            correction = found
+            records, error = task.run(k, correction.copy())
+            errors.append(error)
+            call, of = "update", records
+        entry.end()
+    except EntryError as lost:
+        reason = str(lost)
+        entry.close()
+    runs = len(errors)
+    if not reason:  # one that returns nothing at first is left without correction
+        until = track.runs if track.goes_on else max(runs, 1)
+        errors += [task.run(k, correction)[1] for k in range(runs, until)]
+    each = np.array(errors)
+    curve = each / (plain[: len(each)] if len(plain) > 1 else plain[0])
+    if not (reason or np.isfinite(curve).all()):
+        reason = "a run of the robot is not finite"
+    left = LARGEST if reason else track.left(each, plain)
+    return {
+        "left": float(np.clip(left, SMALLEST, LARGEST)),
+        "curve": np.where(np.isfinite(curve), curve, LARGEST).tolist(),
+        "harm": bool(reason) or bool((curve > GROWTH).any()),
+        **{"runs": runs, "seconds": took, "reason": reason, "isolation": entry.isolation},
+    }
+
+
+def digest(source: str) -> str:
+    """SHA-256 of an entry's file."""
+    return hashlib.sha256(source.encode()).hexdigest()
+
+
+def code() -> str:
+    """SHA-256 of the code of armside that tasks and scores depend on."""
+    import armside
+
+    folder, hashed = Path(armside.__file__).parent, hashlib.sha256()
+    for room in ("assets", "kinematics", "ilc", "sim"):
+        for file in sorted((folder / room).rglob("*")):
+            if file.suffix in (".py", ".xml", ".toml", ".npz"):
+                hashed.update(file.relative_to(folder).as_posix().encode() + file.read_bytes())
+    return hashed.hexdigest()
+
+
+def judged(
+    file: Path, entry: Path, track: str, round: Round, tasks: int, step: Callable[[], None]
+) -> Row:
+    """Play tasks 0 .. `tasks` - 1 and keep the result in a file, which is gone on from.
+
+    Raises InputError where the file is of something else, or the entry cannot be isolated in a
+    judged round.
+    """
+    source = check_file(entry).read_text(encoding="utf-8")
+    result, of = begun(entry.stem, source, track, round), track_of(track)
+    if file.exists():
+        before = read_result(file)
+        if (named := identity(before)) != identity(result):
+            raise InputError(f"{file} is the result of something else: {named}")
+        result["tasks"] = before["tasks"]
+    done = {row["index"] for row in result["tasks"]}
+    with EntryProcess() as process:
+        for index in range(tasks):
+            if index not in done:
+                row = play(source, of.draw(round, index), of, process)
+                if round.judged and not set(row["isolation"]) >= ISOLATED:
+                    needed = "a system that grants namespaces and mounts"
+                    raise InputError(f"a judged round needs {needed}")
+                result["tasks"].append({"index": index} | row)
+                result["tasks"].sort(key=lambda row: row["index"])
+                _write(file, result)
+            step()
+    return result
+
+
+def begun(name: str, source: str, track: str, round: Round) -> Row:
+    """A result without tasks."""
+    versions = {each: version(each) for each in ("armside", "mujoco", "numpy", "scipy")}
+    return {
+        **{"schema": SCHEMA, "track": track, "round": round.name, "salt_sha256": round.digest},
+        "entry": {"name": name, "sha256": digest(source)},
+        "versions": versions | {"python": platform.python_version()},
+        **{"code": code(), "tasks": []},
+    }
+
+
+def identity(result: Row) -> tuple[str, ...]:
+    """What a result is of; another version of armside makes another result."""
+    names = ("schema", "track", "round", "salt_sha256", "code")
+    return *(str(result[name]) for name in names), str(result["entry"]["sha256"])
+
+
+def read_result(file: Path) -> Row:
+    """A result from its file. Raises InputError for another kind of file."""
+    with reading(check_file(file)):
+        found = json.loads(file.read_text(encoding="utf-8"))
+        if found["schema"] != SCHEMA:
+            raise InputError(f"{file} has the schema {found['schema']!r}, not {SCHEMA}")
+        for row in found["tasks"]:
+            if not (isinstance(row["index"], int) and 0.0 < row["left"] <= LARGEST):
+                raise InputError(f"{file} has a task that is none: {row}")
+        identity(found)
+    return found
+
+
+def _write(file: Path, result: Row) -> None:
+    partial = file.with_name(f".{file.name}.partial")
+    partial.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    os.replace(partial, file)
+
+
+def checked(result: Row, source: str, round: Round) -> Iterator[str]:
+    """What is wrong with a result, a line each: schema, entry, versions, and a random tenth of its
+    tasks played again."""
+    if result["entry"]["sha256"] != digest(source):
+        yield "the entry's file is another one: its SHA-256 differs"
+        return
+    if (result["round"], result["salt_sha256"]) != (round.name, round.digest):
+        yield f"it is of the round {result['round']}, not of {round.name}"
+        return
+    if result["code"] != code():
+        yield f"it is of other code, of armside {result['versions']['armside']}"
+    of = track_of(result["track"])
+    for row in tenth(result["tasks"]):
+        with EntryProcess() as process:
+            again = play(source, of.draw(round, row["index"]), of, process)
+        if bool(again["reason"]) != bool(row["reason"]) or not np.isclose(
+            again["left"], row["left"], rtol=SAME, atol=0.0
+        ):
+            yield (
+                f"task {row['index']} leaves {again['left']:.6g}, not {row['left']:.6g} "
+                f"{again['reason']}"
+            ).rstrip()
+
+
+def tenth(tasks: Sequence[Row]) -> list[Row]:
+    """A random tenth, rounded up, another each time."""
+    chosen = np.random.default_rng().choice(len(tasks), -(-len(tasks) // 10), replace=False)
+    return [tasks[i] for i in sorted(chosen)]

@@ -1,0 +1,228 @@
+"""Process of entries: gives up what it can reach, then forks one that answers for each entry.
+
+Run as a script by `entry_process`, isolated (-I -S). Where the system allows, it sees Python, its
+libraries and an empty folder in place of the file system, no other process, no network, and is
+nobody. What was given up is told to the judge before the entry's code is there.
+"""
+
+import ctypes
+import json
+import os
+import resource
+import shutil
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from importlib import import_module
+from types import ModuleType, SimpleNamespace
+
+NOBODY = 65534
+NAMESPACES = (
+    0x00020000 | 0x08000000 | 0x40000000 | 0x20000000 | 0x04000000
+)  # ns, ipc, net, pid, uts
+NEW_USER = 0x10000000
+READ_ONLY, NO_SETUID, NO_DEVICES, REMOUNT, BIND, RECURSIVE, PRIVATE = (
+    *(1, 2, 4, 32, 4096, 16384),
+    1 << 18,
+)
+PIVOT_ROOT = {"x86_64": 155, "aarch64": 41}
+DETACH, NO_NEW_PRIVILEGES, DIE_WITH_PARENT, DUMPABLE = 2, 38, 1, 4
+SYSTEM = ("/usr", "/lib", "/lib64", "/bin", "/etc/ld.so.cache", "/dev/null", "/dev/urandom")
+HOME, CACHE = "/entry", "/cache"
+"""Working folder of an entry, empty; generated code of armside, that it need not compile again."""
+ROOM = 1 << 29
+"""[bytes] of both, in memory."""
+FILES = 64 << 20
+"""[bytes], largest file of an entry."""
+_libc = ctypes.CDLL(None, use_errno=True)
+
+
+def _try(result: int) -> None:
+    if result:
+        raise OSError(ctypes.get_errno(), "the system does not allow it")
+
+
+def _mount(source: str, target: str, kind: str = "", flags: int = 0, data: str = "") -> None:
+    _try(_libc.mount(source.encode(), target.encode(), kind.encode(), flags, data.encode()))
+
+
+def isolate(libraries: list[str], root: str, cache: dict[str, str]) -> list[str]:
+    """Leave the file system, processes and network of the machine; what of it was left."""
+    uid, gid = os.getuid(), os.getgid()
+    try:
+        _try(_libc.unshare(NAMESPACES | (NEW_USER if uid else 0)))
+    except OSError:
+        return []
+    if uid:
+        for name, text in (
+            ("setgroups", "deny"),
+            ("uid_map", f"{NOBODY} {uid} 1"),
+            ("gid_map", f"{NOBODY} {gid} 1"),
+        ):
+            with open(f"/proc/self/{name}", "w") as file:
+                file.write(text)
+    if child := os.fork():  # the first process of the new namespace is the one that stays
+        os.closerange(0, 3)
+        os._exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) & 0xFF)
+    _libc.prctl(DIE_WITH_PARENT, 9)
+    try:
+        _enter(libraries, root, cache)
+    except OSError:  # a system may grant namespaces, and no mounts in them
+        os.chdir(root)
+        return ["network"]
+    return ["file system", "processes", "network"]
+
+
+def _enter(libraries: list[str], root: str, cache: dict[str, str]) -> None:
+    """Make a file system of the libraries and an empty folder, and leave the machine's."""
+    _mount("none", "/", flags=RECURSIVE | PRIVATE)
+    _mount("tmpfs", root, "tmpfs", NO_SETUID | NO_DEVICES, f"size={ROOM},mode=755")
+    for path in (*SYSTEM, *libraries):
+        _bind(path, root + path)
+    os.mkdir(root + CACHE)
+    for place, file in cache.items():
+        target = f"{root}{CACHE}/{place}"
+        os.makedirs(os.path.dirname(target), exist_ok=True)
+        shutil.copy2(file, target)  # with its time, by which numba knows it
+        os.chmod(target, 0o644)
+    _bind(root + CACHE, root + CACHE, anew=True)
+    os.mkdir(root + HOME)
+    _mount("tmpfs", root + HOME, "tmpfs", NO_SETUID | NO_DEVICES, f"size={ROOM},mode=777")
+    os.mkdir(root + "/old")
+    _try(_libc.syscall(PIVOT_ROOT[os.uname().machine], root.encode(), (root + "/old").encode()))
+    os.chdir(HOME)
+    _try(_libc.umount2(b"/old", DETACH))
+    os.rmdir("/old")
+    _mount("none", "/", flags=REMOUNT | BIND | READ_ONLY | NO_SETUID | NO_DEVICES)
+
+
+def _bind(path: str, target: str, anew: bool = False) -> None:
+    if os.path.islink(path):
+        os.makedirs(os.path.dirname(target), exist_ok=True)
+        os.symlink(os.readlink(path), target)
+        return
+    if not os.path.exists(path) or (os.path.exists(target) and not anew):
+        return
+    os.makedirs(target if os.path.isdir(path) else os.path.dirname(target), exist_ok=True)
+    if not os.path.isdir(path):
+        os.close(os.open(target, os.O_CREAT, 0o644))
+    _mount(path, target, flags=BIND)
+    if not path.startswith("/dev/"):
+        flags = REMOUNT | BIND | READ_ONLY | NO_SETUID | NO_DEVICES
+        _mount("none", target, flags=flags)
+
+
+def drop(memory: int) -> list[str]:
+    """Become nobody where the process is root, without a way back, within limits."""
+    for limit, most in (
+        (resource.RLIMIT_AS, memory),
+        (resource.RLIMIT_FSIZE, FILES),
+        (resource.RLIMIT_CORE, 0),
+        (resource.RLIMIT_NOFILE, 256),
+    ):
+        resource.setrlimit(limit, (most, most))
+    dropped = []
+    if os.getuid() == 0:
+        os.setgroups([])
+        os.setresgid(NOBODY, NOBODY, NOBODY)
+        os.setresuid(NOBODY, NOBODY, NOBODY)
+        dropped = ["user"]
+    _libc.prctl(NO_NEW_PRIVILEGES, 1, 0, 0, 0)
+    _libc.capset((ctypes.c_uint32 * 2)(0x20080522, 0), (ctypes.c_uint32 * 6)())
+    _libc.prctl(DIE_WITH_PARENT, 9)  # a change of user clears it
+    return dropped
+
+
+def serve(given: int, taken: int, isolation: list[str], preloaded: list[str]) -> None:
+    """Say what was given up; then for each entry that is sent fork a process that answers for it.
+
+    What an entry leaves, processes and files, is gone before the next one comes.
+    """
+    for name in preloaded:
+        import_module(name)
+    from armside.sim.contest.frames import packed, unpacked
+
+    def read(count: int) -> bytes:
+        parts = bytearray()
+        while len(parts) < count:
+            part = os.read(given, count - len(parts))
+            if not part:
+                os._exit(0)
+            parts += part
+        return bytes(parts)
+
+    def answer(value: dict) -> None:
+        frame = memoryview(packed(value))
+        while len(frame):
+            frame = frame[os.write(taken, frame) :]
+
+    answer({"isolation": isolation})
+    _libc.prctl(DUMPABLE, 0, 0, 0, 0)  # the entry's process may not look into this one
+    while True:
+        call = unpacked(read, 1 << 20)
+        if child := os.fork():
+            os.waitpid(child, 0)
+            if os.getpid() == 1:  # of a namespace: elsewhere it would be the machine's processes
+                with suppress(ProcessLookupError):
+                    os.kill(-1, 9)
+            _empty(os.getcwd())
+            answer({"ended": True})
+            continue
+        _answer_for(call["source"], call["name"], lambda: unpacked(read, 1 << 40), answer)
+
+
+def _answer_for(source: str, name: str, next_call: Callable, answer: Callable) -> None:
+    """Answer `start` with the task and `update` with the records, until the call `end`."""
+    import numpy as np
+
+    entry, module = None, ModuleType("entry")
+    sys.modules["entry"] = module
+    call = {"load": {}}
+    while "end" not in call:
+        try:
+            ((method, of),) = call.items()
+            if method == "load":
+                exec(compile(source, name, "exec"), module.__dict__)
+                entry = module.Entry()
+                answer({"loaded": True})
+            else:
+                found = getattr(entry, method)(SimpleNamespace(**of))
+                if found is None:
+                    answer({"stop": True})
+                else:
+                    answer({"correction": np.asarray(found, np.float64)})
+        except BaseException as error:  # an entry may raise anything
+            answer({"raised": f"{type(error).__name__}: {error}"[:300]})
+        call = next_call()
+    os._exit(0)
+
+
+def _empty(folder: str) -> None:
+    for path in os.scandir(folder):
+        with suppress(OSError):
+            shutil.rmtree(path) if path.is_dir(follow_symlinks=False) else os.unlink(path)
+
+
+def main() -> None:
+    """What the judge wants is in the only argument, as JSON."""
+    _libc.prctl(DIE_WITH_PARENT, 9)
+    asked = json.loads(sys.argv[1])
+    given, taken = os.dup(0), os.dup(1)
+    null = os.open(os.devnull, os.O_RDWR)
+    for stream in (0, 1, 2):
+        os.dup2(null, stream)
+    os.close(null)
+    isolation = []
+    if asked["isolate"]:
+        isolation = isolate(asked["libraries"], asked["root"], asked["cache"])
+    isolation += drop(asked["memory"])
+    sys.path[:0] = asked["path"]
+    sys.argv = [""]
+    # Threads of BLAS that wait for a busy core make small matrices much slower.
+    os.environ.update({"HOME": os.getcwd(), "XDG_CACHE_HOME": CACHE})
+    os.environ.update({f"{name}_NUM_THREADS": "1" for name in ("OPENBLAS", "OMP", "NUMBA")})
+    serve(given, taken, isolation, asked["preloaded"])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,167 @@
+"""Tasks by the seal, and entries that lose one task and no other."""
+
+import hashlib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from armside.sim.contest.entry_process import EntryProcess
+from armside.sim.contest.joint_track import RANGES, TRACK, draw, left
+from armside.sim.contest.judge import LARGEST, checked, judged, play, read_result
+from armside.sim.contest.seal import Round, new_round, read_round
+from armside.sim.contest.task import Limits
+from armside.sim.contest.tracks import NAMES
+from armside.sim.records.files import InputError
+
+SALT = b"s" * 32
+SEALED = Round("2026-a", hashlib.sha256(SALT).hexdigest(), SALT)
+SHORT = replace(TRACK, runs=3, seconds=2.0)
+ENTRY = """
+import numpy as np, os, time
+class Entry:
+    k = 0
+    def start(self, task):
+        self.shape = task.reference.shape
+        return np.zeros(self.shape)
+    def update(self, records):
+        self.k += 1
+        {body}
+"""
+LOSING = {
+    "raise ValueError('no')": "ValueError: no",
+    "time.sleep(60)": "no answer in time",
+    "return np.full(self.shape, np.nan)": "not finite",
+    "return np.zeros((5, 2))": "returned the shape (5, 2), not (800, 1)",
+    "return np.full(self.shape, 1e3)": "beyond the robot's limits",
+    "return 'text'": "ValueError: could not convert",
+    "os._exit(0)": "the process ended",
+    "import sys; sys.exit()": "SystemExit",
+}
+
+
+def test_a_task_is_that_of_hmac_sha256_of_salt_round_track_and_index():
+    import hmac
+
+    text = b"2026-a/joint/7"
+    first = int(hmac.new(SALT, text, hashlib.sha256).hexdigest(), 16)
+    assert SEALED.key("joint", 7) == first
+    one, same, next_ = (draw(SEALED, i).given["reference"] for i in (7, 7, 8))
+    assert np.array_equal(one, same)
+    assert not np.array_equal(one, next_)
+    assert not np.array_equal(one, draw(Round(), 7).given["reference"])
+
+
+def test_judged_ranges_contain_those_of_development_and_exceed_most():
+    for public, sealed in RANGES.values():
+        assert sealed[0] <= public[0] < public[1] <= sealed[1]
+    assert np.mean([public != sealed for public, sealed in RANGES.values()]) > 0.5
+
+
+def test_a_round_is_published_without_its_salt_and_refuses_another(tmp_path):
+    made = new_round("2026-b", tmp_path)
+    text = (tmp_path / "2026-b.json").read_text()
+    assert made.salt.hex() not in text
+    assert hashlib.sha256(made.salt).hexdigest() in text
+    assert (tmp_path / "2026-b.salt").stat().st_mode & 0o077 == 0
+    for salt in (str(tmp_path / "2026-b.salt"), made.salt.hex()):
+        assert read_round(tmp_path / "2026-b.json", salt) == made
+    with pytest.raises(InputError, match="not that of the round"):
+        read_round(tmp_path / "2026-b.json", "00" * 32)
+    with pytest.raises(InputError, match="exists already"):
+        new_round("2026-b", tmp_path)
+
+
+def test_what_an_entry_is_given_holds_no_truth():
+    given = draw(Round(), 0).given
+    assert set(given) == {
+        "track",
+        "reference",
+        "path",
+        "runs",
+        "sample_time",
+        "seed",
+        "nominal",
+        "limits",
+    }
+    assert given["nominal"] == draw(Round(), 1).given["nominal"]
+
+
+@pytest.mark.parametrize(("body", "why"), LOSING.items())
+def test_an_entry_at_fault_loses_that_task_alone(body, why):
+    task = draw(Round(), 0)
+    moved = []
+    watched = replace(task, run=lambda k, u: moved.append(np.abs(u).max()) or task.run(k, u))
+    with EntryProcess() as process:
+        lost = play(ENTRY.format(body=body), watched, SHORT, process)
+        assert why in lost["reason"]
+        assert (lost["left"], lost["harm"], lost["runs"]) == (LARGEST, True, 1)
+        assert max(moved) == 0.0  # nothing but the run without correction
+        well = play(ENTRY.format(body="return np.zeros(self.shape)"), task, SHORT, process)
+    assert (well["reason"], well["runs"]) == ("", 3)
+    assert well["left"] == pytest.approx(1.0, abs=0.02)  # the encoder's noise acts on the joint
+    assert not well["harm"]
+
+
+@pytest.mark.parametrize(
+    ("u", "beyond"),
+    [
+        ([[0.0], [1.0], [1.9]], ""),
+        ([[0.0], [1.0], [2.1]], "correction of column 1 is 2.1 rad, at most 2"),
+        ([[1.6], [1.6], [1.6]], "change in one sample of column 1 is 1.6 rad, at most 1.5"),
+    ],
+)
+def test_limits_are_of_size_and_of_change(u, beyond):
+    limits = Limits(correction=np.array([2.0]), change=np.array([1.5]))
+    assert limits.exceeded(np.array(u)) == beyond
+
+
+def test_the_joint_is_scored_at_5_10_and_40_and_by_the_last_run_of_one_that_stops():
+    errors, plain = np.full(41, 9.0), np.array([2.0])
+    errors[[5, 10, 40]] = 1.0, 2.0, 4.0
+    assert left(errors, plain) == pytest.approx((1.0 * 2.0 * 4.0) ** (1 / 3) / 2.0)
+    assert left(np.array([9.0, 3.0]), plain) == pytest.approx(1.5)
+
+
+def test_the_true_error_is_that_without_the_noise_of_the_encoder():
+    task = draw(Round(), 3)
+    records, true = task.run(0, np.zeros_like(task.given["reference"]))
+    seen = np.sqrt(np.mean(records["error"] ** 2))
+    assert true == pytest.approx(seen, rel=0.05)
+    assert true != seen
+
+
+def test_a_result_is_gone_on_from_and_checked(tmp_path):
+    entry, file = tmp_path / "e.py", tmp_path / "e.json"
+    entry.write_text(ENTRY.format(body="return None"))
+    steps = []
+    judged(file, entry, "joint", SEALED, 2, lambda: steps.append(1))
+    before = read_result(file)["tasks"]
+    after = judged(file, entry, "joint", SEALED, 3, lambda: steps.append(1))["tasks"]
+    assert before == after[:2]
+    assert [row["index"] for row in after] == [0, 1, 2]
+    assert len(steps) == 5
+    result = read_result(file)
+    assert list(checked(result, entry.read_text(), SEALED)) == []
+    for row in result["tasks"]:
+        row["left"] = 0.5
+    assert "leaves" in next(checked(result, entry.read_text(), SEALED))
+    assert "another one" in next(checked(result, "class Entry: pass", SEALED))
+    entry.write_text(ENTRY.format(body="return 0"))
+    with pytest.raises(InputError, match="something else"):
+        judged(file, entry, "joint", SEALED, 3, lambda: None)
+
+
+def test_tracks_are_those_of_the_rules():
+    assert NAMES == ("joint", "motor", "imu", "tracker", "first", "drift", "part")
+
+
+def test_a_run_that_is_not_finite_loses_the_task_and_none_at_first_is_no_correction():
+    task = draw(Round(), 0)
+    with EntryProcess() as process:
+        source = ENTRY.format(body="return np.zeros(self.shape)")
+        lost = play(source, replace(task, run=lambda k, u: ({}, np.nan)), SHORT, process)
+        assert (lost["reason"], lost["left"]) == ("a run of the robot is not finite", LARGEST)
+        stopped = play("class Entry:\n def start(self, task): pass", task, SHORT, process)
+    assert stopped["runs"] == 0
+    assert stopped["left"] == pytest.approx(1.0, abs=0.02)
