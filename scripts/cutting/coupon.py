@@ -19,7 +19,7 @@ from armside.sim.scan.virtual_reading import BeamPath, placement
 from armside.sim.twin.coupon import PLACE, beam_path, coupon, coupon_cut, drawing, scanned
 from armside.sim.twin.recordings import MeasuredCut, read_cut
 
-DRAWING, PLAN, SCAN = "coupon.dxf", "coupon.json", "scan.png"
+DRAWING, PLAN, SCAN, GRID = "coupon.dxf", "coupon.json", "scan.png", "grid.png"
 CONTOURS = len(coupon())
 _DPI = 600.0
 """Of a virtual scan."""
@@ -27,6 +27,8 @@ _MARGIN = 0.03
 """[m], of the bed around the sheet."""
 _SPACING = 10e-6
 """[m], of the points of a virtual edge."""
+_PITCH, _TURNED = 10e-3, 0.1
+"""[m], [rad], of the virtual grid."""
 _SAME = 1e-6
 """[rad], by which the reference of a record may differ from that of the plan."""
 
@@ -69,7 +71,8 @@ def cut_coupon(
     seed: int,
     step: Callable[[], None],
 ) -> None:
-    """Records of the coupon as a virtual robot cuts it, and the scan of the sheet.
+    """Records of the coupon as a virtual robot cuts it, the scan of the sheet, and one of a grid of
+    10 mm on the same scanner.
 
     state: of the robot, fields of `Cut`.
     """
@@ -91,15 +94,15 @@ def cut_coupon(
             gear=experiment.loaded.model.drives.gear,
         )
         step()
-    _save_scan(folder / SCAN, sheet, paths, seed)
+    _save_scans(folder, sheet, paths, seed)
 
 
-def _save_scan(
-    file: Path, sheet: tuple[float, float], paths: dict[str, BeamPath], seed: int
+def _save_scans(
+    folder: Path, sheet: tuple[float, float], paths: dict[str, BeamPath], seed: int
 ) -> None:
     from PIL import Image
 
-    from armside.sim.scan.virtual import Process, Scanner, Sheet
+    from armside.sim.scan.virtual import Process, Sheet, drawn_scanner, grid
     from armside.sim.scan.virtual import scanned as image_of
 
     rng, process = np.random.default_rng(seed), Process()
@@ -115,8 +118,17 @@ def _save_scan(
         regions.append((edge, False))
     size = sheet[0] + _MARGIN, sheet[1] + _MARGIN
     place = 0.5 * size[0], 0.5 * size[1], float(rng.uniform(-0.02, 0.02))
-    found = image_of(Sheet(regions=regions), Scanner(dpi=_DPI), size, rng, place=place)
-    Image.fromarray(found.grey).save(file, dpi=found.dpi)
+    scanner = drawn_scanner(rng, dpi=_DPI)
+    cells = round(sheet[0] / _PITCH), round(size[1] / _PITCH)
+    c, s = np.cos(_TURNED), np.sin(_TURNED)
+    x, y = 0.5 * np.array(size) - 0.5 * _PITCH * np.array([[c, -s], [s, c]]) @ cells
+    scans = {
+        SCAN: (Sheet(regions=regions), place),
+        GRID: (grid(_PITCH, cells), (float(x), float(y), _TURNED)),
+    }
+    for name, (seen, at) in scans.items():
+        found = image_of(seen, scanner, size, rng, place=at)
+        Image.fromarray(found.grey).save(folder / name, dpi=found.dpi)
 
 
 def _dense(path: Array) -> Array:

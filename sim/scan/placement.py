@@ -7,6 +7,7 @@ from functools import cached_property
 from itertools import combinations
 
 import numpy as np
+from scipy.ndimage import median_filter
 from scipy.spatial import KDTree
 
 from armside.arrays import Array
@@ -36,6 +37,10 @@ APART = 10e-3
 """Distance of two contours that gives an angle [m]."""
 MOST = 300
 """Most placements that are tried."""
+FARTHEST = 2.0e-3
+"""Distance of an edge from where it is drawn up to which it is followed [m]."""
+MEDIAN = 41
+"""Points whose median follows an edge, 0.1 mm apart."""
 
 
 class Seen(Enum):
@@ -150,7 +155,7 @@ def _like(contour: DrawnContour, found: Sequence[Outline]) -> list[Outline]:
     area = contour.area_and_middle[0]
     largest = max(SIMILAR * area, WIDER * contour.curve.length)
     off = [(abs(outline.area - area), i) for i, outline in enumerate(found)]
-    return [found[i] for difference, i in sorted(off)[:40] if difference < largest]
+    return [found[i] for difference, i in sorted(off) if difference < largest]
 
 
 def _starts(closed: Sequence[DrawnContour], like: Sequence[Sequence[Outline]]) -> Iterator[Pose]:
@@ -225,11 +230,25 @@ def rigid_step(lever: Array, normal: Array, off: Array) -> Array:
     return step / np.array([1.0, 1.0, size])
 
 
-def shift(pose: Pose, contour: DrawnContour, found: Sequence[Outline]) -> Array:
+def own_outline(pose: Pose, contour: DrawnContour, found: Sequence[Outline]) -> Outline:
+    """The outline of its area that lies nearest to a closed contour."""
+
+    def apart(outline: Outline) -> float:
+        distance = np.sort(KDTree(outline.points).query(at)[0])
+        return float(distance[: int(TRIMMED * len(distance)) + 1].mean())
+
+    at = pose.to_image(contour.coarse[0])
+    middle = at.mean(axis=0)
+    like = _like(contour, found)
+    like.sort(key=lambda outline: float(np.linalg.norm(outline.middle - middle)))
+    return min(like[:4], key=apart)
+
+
+def shift(pose: Pose, contour: DrawnContour, outline: Outline) -> Array:
     """(2,) [m], by which a closed contour lies beside its place: of a scanner's scale, mostly."""
     points, normals = contour.coarse
     at, normal = pose.to_image(points), normals @ pose.matrix.T
-    cloud = KDTree(np.vstack([outline.points for outline in _like(contour, found)]))
+    cloud = KDTree(outline.points)
     moved = np.zeros(2)
     for _ in range(4):
         distance, i = cloud.query(at + moved)
@@ -238,3 +257,12 @@ def shift(pose: Pose, contour: DrawnContour, found: Sequence[Outline]) -> Array:
         if near.sum() > 3:
             moved = moved + np.linalg.lstsq(normal[near], off[near], rcond=1e-2)[0]
     return moved
+
+
+def followed(at: Array, normal: Array, outline: Outline) -> Array:
+    """Points (N, 2) [m] of an expected edge, in order around it, moved along their normals to an
+    outline; by the median of neighbours, so that a tear is not followed."""
+    distance, i = KDTree(outline.points).query(at)
+    off = np.einsum("ij,ij->i", outline.points[i] - at, normal)
+    off = np.where(distance < FARTHEST, off, 0.0)
+    return at + median_filter(off, MEDIAN, mode="wrap")[:, np.newaxis] * normal
