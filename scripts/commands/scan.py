@@ -33,7 +33,7 @@ LIMITS = {
 SCANNER = "scanner.json"
 OF = {
     "calibrate": ("pitch",),
-    "read": ("contours", "scanner", "beam", "piece", "layers", "units"),
+    "read": ("contours", "scanner", "beam", "drawn", "piece", "layers", "units"),
 }
 """Options of each action alone."""
 
@@ -54,6 +54,9 @@ class ScanCfg:
     """Resolution, where the file has none or a wrong one."""
     beam: float | None = None
     """Of read: diameter of the beam [mm] [default: that of the open kerfs, or 0.2]."""
+    drawn: Literal["edge", "beam"] | None = None
+    """Of read: what a closed contour is drawn as, the part's edge, or the middle of the beam, as of
+    a coupon [default: edge]."""
     piece: bool | None = None
     """Of read: a drawing of one contour is the piece that was cut out [default: its hole]."""
     layers: Annotated[tuple[str, ...], Parameter(consume_multiple=True, show_default=False)] = ()
@@ -162,14 +165,16 @@ def _read(file: Path, cfg: ScanCfg, common: Common, report: Report) -> None:
             pieces=drawing.pieces,
             calibration=calibration,
             beam=None if cfg.beam is None else MM * cfg.beam,
+            edges=cfg.drawn != "beam",
         )
     notes = [*drawing.notes, *(note.text for note in found.notes)]
     entries = described(found, drawing.contours)
-    given = {"action": "read", "image": file, **_given(cfg)}
+    given = {"action": "read", "image": file, "drawn": "edge", **_given(cfg)}
+    what = "the beam" if cfg.drawn == "beam" else "the edge"
     outcome = summary("scan", given, common, **entries, notes=notes)
     with run_folder(outcome, common) as folder:
         (folder / "deviation.csv").write_text(table_of(found), encoding="utf-8")
-        title = f"{file.name}: where the beam cut beside {cfg.contours.name}"
+        title = f"{file.name}: where {what} lies beside {cfg.contours.name}"
         scan_map(folder / "scan.png", found, drawing.contours, title)
     head = ["contour", "length [mm]", "size error [µm]", "max [µm]", "RMS [µm]", "noise [µm]"]
     names = ("size_error", "max", "rms", "noise")
@@ -178,7 +183,8 @@ def _read(file: Path, cfg: ScanCfg, common: Common, report: Report) -> None:
         for of in entries["contours"]
     ]
     missing = "an open cut has no size"
-    report.table("Deviation of the beam across each contour", head, rows, missing=missing)
+    title = f"Deviation across each contour: {what} from where it is drawn (--drawn)"
+    report.table(title, head, rows, missing=missing)
     report.notes(notes)
     report.results(outcome, folder.path)
 

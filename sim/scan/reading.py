@@ -77,7 +77,8 @@ class ScannedContour:
     """(M,) [m], of the drawn contour, increasing; places that are torn or burred are not in it."""
     deviation: Array
     """(M,) [m], middle of the beam less the drawn contour, along `motion.contour.outward_normal`,
-    after the placement of the sheet and half the beam are taken off."""
+    after the placement of the sheet and half the beam are taken off; of a contour that is drawn as
+    an edge, the edge less the drawn one."""
     noise: float
     """Standard deviation [m] of a value of `deviation` in a bin of 0.2 mm."""
 
@@ -105,6 +106,7 @@ def read_scan(
     pieces: Collection[str] = (),
     calibration: Calibration | None = None,
     beam: float | None = None,
+    edges: bool = False,
 ) -> SheetScan:
     """Deviation of the beam across each contour of a drawing, from an image of the cut sheet.
 
@@ -112,12 +114,14 @@ def read_scan(
         in the sheet, unless it is one of the `pieces`, of which the material lies inside; an open
         one as a kerf with both edges.
     beam: diameter [m]; None takes it from the open kerfs, or `BEAM` if there is none.
+    edges: a closed contour is drawn as the edge that is wanted, as of a part whose path runs half
+        a beam beside it, and deviations are the edge's; else as the middle of the beam.
 
     Raises ValueError, in one line, for an image that is not such a sheet, as a whole and sharp.
     """
     try:
         drawn = _drawn(drawing, pieces)
-        return _read(image, drawn, calibration, beam)
+        return _read(image, drawn, calibration, beam, edges)
     except ValueError as error:
         raise ValueError(f"{image.name}: {str(error).removeprefix(f'{image.name}: ')}") from error
 
@@ -138,6 +142,7 @@ def _read(
     drawn: Sequence[DrawnContour],
     calibration: Calibration | None,
     beam: float | None,
+    edges: bool,
 ) -> SheetScan:
     if calibration is not None:
         calibration.check(image)
@@ -179,10 +184,10 @@ def _read(
         ]
         widths = _kerfs(sides, bins)
         half = 0.5 * _beam(widths, beam)
-        pose = pose.moved(_step(pose, sides, bins, half))
+        pose = pose.moved(_step(pose, sides, bins, half, edges))
     measured = beam is None and len(widths) > 0
     diameter = _beam(widths, beam)
-    if beam is None and not widths:
+    if beam is None and not widths and not edges:
         notes.append(f"no open kerf: the beam is taken as {1e3 * diameter:g} mm wide")
     if beam is not None and widths and abs(_beam(widths, None) - beam) > KERF_DIFFERS:
         wide = 1e3 * _beam(widths, None)
@@ -191,7 +196,9 @@ def _read(
     scanner = UNCALIBRATED if calibration is None else calibration.residual
     for contour in drawn:
         of = [b for side, b in zip(sides, bins, strict=True) if side.contour is contour]
-        contours[contour.name], left_out = _scanned(contour, of, diameter, scanner)
+        contours[contour.name], left_out = _scanned(
+            contour, of, 0.0 if edges else diameter, scanner
+        )
         if left_out:
             notes.append(left_out)
     scale, said = _scale(drawn, contours, calibration)
@@ -296,11 +303,14 @@ def _beam(widths: Sequence[Array], given: float | None) -> float:
     return float(np.median(np.concatenate(widths))) if widths else BEAM
 
 
-def _step(pose: Pose, sides: Sequence[_Side], bins: Sequence[_Bins], half: float) -> Array:
+def _step(
+    pose: Pose, sides: Sequence[_Side], bins: Sequence[_Bins], half: float, edges: bool
+) -> Array:
     """Motion of the drawing in the image that fits all contours."""
     lever, normals, off = list[Array](), list[Array](), list[Array]()
     for side, of in zip(sides, bins, strict=True):
-        d = of.offset - side.sign * half * of.slant
+        beside = 0.0 if edges and side.contour.seen is not Seen.KERF else half
+        d = of.offset - side.sign * beside * of.slant
         good = np.isfinite(d) & ~_outlying(d, side.contour.seen is not Seen.KERF)
         s, curve = of.arc_length[good], side.contour.curve
         normals.append(outward_normal(curve.tangent(s)) @ pose.matrix.T)

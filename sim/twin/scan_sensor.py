@@ -34,6 +34,8 @@ _PLACE, _TURN = 10e-3, 10e-3
 """[m], [rad], of the sheet from where the robot's base has it. ESTIMATE."""
 _BEAM, _MEASURED_BEAM = 5e-6, 2e-6
 """[m], of half the diameter: assumed, and by an open kerf. ESTIMATE."""
+_APART = 1e-3
+"""[m], of the motors' path from the contour, beyond which it is of another. ESTIMATE."""
 _DIRECTION, _FROM_CUT_TO_CUT = 15e-6, 5e-6
 """[m], of half the kerf: clockwise less counter-clockwise, and of each contour. ESTIMATE."""
 
@@ -60,6 +62,11 @@ def check_scanned(model: RobotModel, cut: MeasuredCut) -> None:
     comparison = ScanComparison(model, cut)
     if (objection := comparison.scanned.objection) is not None:
         raise ImplausibleError(f"{cut.name}: {objection}: another contour, or another unit")
+    if (apart := comparison.motors_apart) > _APART:
+        raise ImplausibleError(
+            f"{cut.name}: the motors' path lies {1e3 * apart:.3g} mm from its contour after "
+            f"placement, more than {1e3 * _APART:g} mm: the record is of another"
+        )
     if len(comparison.rows) < 3:
         raise ImplausibleError(f"{cut.name}: the scan has no place where the beam was on")
 
@@ -95,9 +102,18 @@ class ScanComparison:
         return np.flatnonzero(usable(self.seen.curve, self.scanned, self._foot))
 
     @cached_property
-    def _foot(self) -> Array:
+    def _motors(self) -> Shape:
         path = rigid_path(self.model, self.cut.motor_angle[self._on])
-        return shape(self.seen.curve, self._in_plane(path)).arc_length
+        return shape(self.seen.curve, self._in_plane(path))
+
+    @property
+    def motors_apart(self) -> float:
+        """Largest distance [m] of the motors' path from the contour, after it is fitted to it."""
+        return float(np.abs(self._motors.deviation).max())
+
+    @property
+    def _foot(self) -> Array:
+        return self._motors.arc_length
 
     @cached_property
     def _normal(self) -> Array:

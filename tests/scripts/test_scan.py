@@ -31,7 +31,7 @@ def files(tmp_path_factory):
 
 
 def test_a_scan_is_read_into_a_table_a_summary_and_a_picture(files, summary_of, tmp_path):
-    line = f"scan read {files / 'part.png'} --contours {files / 'sheet.dxf'} --out out"
+    line = f"scan read {files / 'part.png'} --contours {files / 'sheet.dxf'} --drawn beam --out out"
     found = summary_of(line)
     assert found["beam_measured"]
     assert found["beam"] == pytest.approx(0.208 * MM, abs=1e-6)
@@ -103,13 +103,18 @@ def test_what_cannot_be_read_is_refused_in_a_line(files, bad_input, line, said):
 def test_the_missing_extra_is_named(files, monkeypatch, bad_input):
     monkeypatch.setitem(sys.modules, "skimage", None)
     said = "armside scan needs scikit-image: pip install 'armside[scan]'"
-    bad_input(f"scan read {files / 'part.png'} --contours {files / 'sheet.dxf'} --out out", said)
+    bad_input(
+        f"scan read {files / 'part.png'} --contours {files / 'sheet.dxf'} --drawn beam --out out",
+        said,
+    )
 
 
 def test_a_file_without_resolution_asks_for_it(files, bad_input, tmp_path):
     with Image.open(files / "part.png") as picture:
         Image.fromarray(np.asarray(picture)).save(tmp_path / "bare.png")
-    bad_input(f"scan read bare.png --contours {files / 'sheet.dxf'} --out out", "say --dpi")
+    bad_input(
+        f"scan read bare.png --contours {files / 'sheet.dxf'} --drawn beam --out out", "say --dpi"
+    )
 
 
 @pytest.mark.parametrize("mode", ["RGB", "RGBA", "I;16"])
@@ -121,7 +126,7 @@ def test_colours_and_depths_say_the_same(files, mode, tmp_path, summary_of):
     coloured = Image.fromarray(np.dstack([grey, grey, flat]))
     made = {"I;16": lambda: Image.fromarray(grey.astype(np.uint16) * 257)}
     made.get(mode, lambda: coloured.convert(mode))().save(tmp_path / "a.tiff", dpi=(1200, 1200))
-    found = summary_of(f"scan read a.tiff --contours {files / 'sheet.dxf'} --out out")
+    found = summary_of(f"scan read a.tiff --contours {files / 'sheet.dxf'} --drawn beam --out out")
     assert found["beam"] == pytest.approx(0.208 * MM, abs=1e-6)
 
 
@@ -132,9 +137,9 @@ def test_a_drawing_of_one_contour_is_a_hole_unless_it_is_said(tmp_path, armside,
     for name, pieces, word in (("hole", [], ""), ("piece", list(drawing), "--piece")):
         seen = image(30.0, drawing=drawing, middle=np.zeros(2), pieces=pieces)
         save(seen, tmp_path / f"{name}.png")
-        (of,) = summary_of(f"scan read {name}.png --contours one.toml {word} --out {name}-read")[
-            "contours"
-        ]
+        (of,) = summary_of(
+            f"scan read {name}.png --contours one.toml {word} --drawn beam --out {name}-read"
+        )["contours"]
         assert abs(of["size_error"]) < 2e-6
 
 
@@ -143,4 +148,6 @@ def test_an_image_without_greys_is_refused(files, mode, tmp_path, bad_input):
     with Image.open(files / "part.png") as picture:
         suffix = "tiff" if mode == "F" else "png"
         picture.convert(mode).save(tmp_path / f"a.{suffix}", dpi=(1200, 1200))
-    bad_input(f"scan read a.{suffix} --contours {files / 'sheet.dxf'} --out out", "grey")
+    bad_input(
+        f"scan read a.{suffix} --contours {files / 'sheet.dxf'} --drawn beam --out out", "grey"
+    )

@@ -147,3 +147,14 @@ def test_a_scanner_that_is_six_per_mille_off_is_said():
     good = read_scan(image(2.0, **options), wide)
     assert good.scale == SCALE
     assert not any("larger" in note.text for note in good.notes)
+
+
+def test_a_part_whose_path_runs_half_a_beam_beside_its_drawing_has_no_error():
+    """Its edges lie where they are drawn: as a beam without a width would leave them."""
+    drawn = {"outer": circle(9, 2, 22)} | {n: c for n, c in DRAWING.items() if n != "kerf"}
+    process = Process(wave=0.0, roughness=0.0, beam=0.0)
+    taken = image(drawing=drawn, pieces=("outer",), process=process)
+    for edges, half in ((True, 0.0), (False, 0.1 * MM)):
+        scan = read_scan(taken, drawn, pieces=("outer",), edges=edges)
+        for name, off in (("circle", -half), ("outer", half)):
+            assert scan.contours[name].deviation.mean() == pytest.approx(off, abs=5e-6)
