@@ -17,8 +17,9 @@ from armside.arrays import Array
 from ..records.files import check_file, reading
 from .image import Outline, ScanImage, edge_near, kerf_near, outlines
 
-SAME = 0.5e-3
-"""Largest difference between the scanned areas of grid and sheet [m]."""
+SAME = 0.05e-3
+"""Largest difference between the scanned areas of grid and sheet [m]: a pixel of 600 dpi. Heights
+count from the lower rim, so that it moves the wobble."""
 KNOTS = 1.25e-3
 """Distance of the places at which the wobble is known [m]: four to the shortest period."""
 BIN = 0.5e-3

@@ -177,6 +177,9 @@ def identify(
     The first step moves friction and masses alone, by torque: what the tool does before the motors
     move as they should would be taken for springs.
     """
+    numbers = [cut.scan.number for cut in cuts if cut.scan is not None]
+    if len(set(numbers)) < len(numbers):
+        raise ValueError("a contour was scanned twice: the cuts of one sheet are identified from")
     sensors = [sensor] * len(cuts) if isinstance(sensor, ToolSensor) else list(sensor)
     kinds = list({id(kind): kind for kind in sensors}.values())
     of_robot = parameters_of(design)

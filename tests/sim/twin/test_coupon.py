@@ -10,7 +10,7 @@ from armside.sim.robot.effects import gear_phases
 from armside.sim.scan.virtual_reading import CALIBRATED, virtual_scan
 from armside.sim.twin.commission import commission
 from armside.sim.twin.coupon import SHEET, beam_path, coupon, coupon_cut, scanned
-from armside.sim.twin.identification import Identification, parameters_of
+from armside.sim.twin.identification import Identification, identify, parameters_of
 from armside.sim.twin.recordings import ImplausibleError, measured_from
 from armside.sim.twin.scan_sensor import SCAN, ScanComparison, check_scanned
 from armside.sim.twin.simulation import design_of
@@ -155,3 +155,18 @@ def waved(seen, size):
     turn = 2.0 * np.pi * seen.contour.arc_length / seen.curve.length
     contour = replace(seen.contour, deviation=size * np.sin(4.0 * turn))
     return replace(seen, contour=contour)
+
+
+def test_a_record_of_another_contour_is_refused_by_name(cut, design):
+    one = cut[1]()[1]
+    middle = one.motor_angle.mean(axis=0)
+    larger = replace(one, motor_angle=middle + 1.3 * (one.motor_angle - middle))
+    check_scanned(design.model, one)
+    with pytest.raises(ImplausibleError, match=r"slot-ccw: the motors' path lies .* more than 2 mm"):
+        check_scanned(design.model, larger)
+
+
+def test_two_scans_of_one_contour_are_refused(cut, design):
+    one = cut[1]()[0]
+    with pytest.raises(ValueError, match="scanned twice"):
+        identify(design, [one, one], sensor=SCAN)
