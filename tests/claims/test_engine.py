@@ -33,7 +33,8 @@ def checks(rows: Rows):
 SMALL = Claim(title="Errors of {n} seeds stay small", seeds=2, run=run, checks=checks)
 DOCS = ROOT / "docs" / "claims"
 WITHOUT_A_PAGE = {
-    "contest", "contest-robot", "imu-twin", "scan-image", "scan-twin", "scan-twin-development", "scan-learning",
+    "contest", "contest-robot", "imu-twin", "scan-image", "scan-twin", "scan-twin-development",
+    "scan-learning",
 }  # fmt: skip
 """Claims whose full instance is not in the docs."""
 
