@@ -31,6 +31,7 @@ COMMANDS = {
     "path-logs": ("Real arm", "Compare a real robot's motor logs with the virtual robot."),
     "convert": ("Real arm", "Write runs, recordings and logs as other files."),
     "program": ("Real arm", "Describe a robot's program: RAPID, KRL or URScript."),
+    "scan": ("Real arm", "See what was cut by a flatbed scan of the sheet."),
     "serve": ("Real arm", "Put the virtual robot behind a controller's protocol."),
     "replay": ("Look", "Watch runs: viewer, browser, picture or film."),
     "reproduce": ("Reproduce", "Make the figures of the thesis again, with verdicts."),

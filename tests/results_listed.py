@@ -55,7 +55,7 @@ def command_of(summary: dict[str, Any]) -> str:
     """Name of the sections of a summary."""
     config = summary["config"]
     of, action = config.get("experiment"), config.get("action")
-    return f"{of} {action}" if of in ("program", "robot") else str(of)
+    return f"{of} {action}" if of in ("program", "robot", "scan") else str(of)
 
 
 @cache

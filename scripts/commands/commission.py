@@ -12,10 +12,19 @@ from armside.sim.laser.experiment import prepare
 from armside.sim.laser.results import pass_notes
 from armside.sim.motion.tool_motion import motion_notes
 from armside.sim.notes import Note, Tally, counted
+from armside.sim.part.arcs import MM
 from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
 from armside.sim.twin import commission as commissioning
-from armside.sim.twin.commission import CANDIDATES, MOST, SENSORS, CommissionedTwin, plan
+from armside.sim.twin.commission import (
+    CANDIDATES,
+    MOST,
+    SENSORS,
+    CommissionedTwin,
+    plan,
+    sensor_of,
+)
+from armside.sim.twin.coupon import coupon
 from armside.sim.twin.identification import Identification
 from armside.sim.twin.prediction import is_identified, standard_deviation
 from armside.sim.twin.recordings import (
@@ -26,12 +35,13 @@ from armside.sim.twin.recordings import (
     read_cut,
 )
 from armside.sim.twin.simulation import design_of
-from armside.sim.twin.tool_sensor import ToolSensor
 
 from ..cutting.options import OF_ROBOT, IndividualCfg, robot_state
 from ..shell.console import Report, run_folder
-from ..shell.errors import checking_input
-from ..shell.options import SEVERAL, Common, Limits, check_limits, options
+from ..shell.errors import checking_input, needs
+from ..shell.options import SEVERAL, Common, FileToRead, Limits, check_limits, options
+
+_SHEET = Limits(60.0, 2000.0, "mm")
 
 
 @options
@@ -44,7 +54,8 @@ class CommissionCfg(IndividualCfg):
     cuts: int = 4
     """Number of cuts, 1 to 10, from a plan that is chosen by what they identify."""
     measure: SensorName = "tracker"
-    """Sensor at the tool: a laser tracker, or an IMU that stays on the robot."""
+    """Sensor at the tool: a laser tracker, an IMU that stays on the robot, or a scan of a coupon
+    alone."""
     payload: float | None = None
     """Mass of the tool [kg] [default: as in the model]."""
     recordings: Annotated[tuple[Path, ...], SEVERAL] = ()
@@ -52,6 +63,16 @@ class CommissionCfg(IndividualCfg):
     or tables of recorded data."""
     leave_out: Annotated[tuple[str, ...], SEVERAL] = ()
     """Names of cuts to leave out."""
+    coupon: FileToRead = None
+    """Scan of the coupon (PNG, TIFF), beside the plan that --coupon-sheet has written and the
+    records of its cuts. With --measure imu or scan."""
+    scanner: FileToRead = None
+    """scanner.json of `armside scan calibrate` [default: the scanner is not calibrated]."""
+    coupon_sheet: Path | None = None
+    """Only write the coupon into this new folder: coupon.dxf and its plan. Of a virtual individual
+    also the records of its cuts, and the scan."""
+    sheet: tuple[float, float] = (160.0, 240.0)
+    """Width and height of the coupon's sheet [mm]."""
     choose: bool = False
     """Only choose the plan anew, and print what each cut adds."""
 
@@ -60,6 +81,14 @@ class CommissionCfg(IndividualCfg):
         check_limits(self, {"cuts": Limits(1, MOST), "payload": OF_ROBOT["payload"]})
         if self.recordings and self.individual is not None:
             raise ValueError("recordings are of a robot of their own: leave out --individual")
+        if self.coupon is None and self.measure == "scan" and self.coupon_sheet is None:
+            raise ValueError("measure scan needs the scan of a coupon: --coupon SCAN.png")
+        if self.coupon is not None and self.measure == "tracker":
+            raise ValueError("coupon goes with --measure imu or scan, not with tracker")
+        if self.scanner is not None and self.coupon is None:
+            raise ValueError("scanner is that of a coupon: give --coupon SCAN.png too")
+        for side in self.sheet:
+            _SHEET.check("sheet", side)
 
 
 def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common()) -> None:
@@ -73,14 +102,19 @@ def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common(
     if cfg.choose:
         _choose(report, cfg)
         return
+    if cfg.coupon_sheet is not None:
+        _write_coupon(report, cfg, cfg.coupon_sheet, common.seed)
+        return
     with checking_input():
         check_writable(common.out or RUNS / "commission")
         names = _names(cfg)
         chosen = {name: path for name, path in named(cfg.recordings).items() if name in names}
         recorded = [replace(read_cut(p, cfg.measure), name=name) for name, p in chosen.items()]
         notes = counted((notes_of_first_run(path) for path in chosen.values()), "cuts")
-    if not recorded:
+        of_sheet, more = _of_coupon(cfg)
+    if not recorded and cfg.measure != "scan":
         recorded, notes = _cut(cfg, names, common.seed, report)
+    recorded, notes = [*recorded, *of_sheet], [*notes, *more]
     steps = Identification().steps * len(recorded)
     with report.progress("identifying", total=steps) as step:
         found = commissioning.commission(
@@ -92,8 +126,34 @@ def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common(
         figures.friction(folder / "friction.png", found, recorded)
         figures.residuals(folder / "residuals.png", found, recorded)
     report.notes(notes)
-    _show(report, outcome, SENSORS[cfg.measure])
+    _show(report, outcome, [sensor_of(cut, cfg.measure) for cut in recorded])
     report.results(outcome, folder.path)
+
+
+def _of_coupon(cfg: CommissionCfg) -> tuple[list[MeasuredCut], list[Note]]:
+    """Records of the coupon that are not left out, with what the scan says, and its notes."""
+    if cfg.coupon is None:
+        return [], []
+    from ..cutting.coupon import read_coupon
+
+    with needs("scan", "commission --coupon", "scikit-image"):
+        cuts, notes = read_coupon(cfg.coupon, cfg.scanner)
+    return [cut for cut in cuts if cut.name not in cfg.leave_out], notes
+
+
+def _write_coupon(report: Report, cfg: CommissionCfg, folder: Path, seed: int) -> None:
+    from ..cutting.coupon import CONTOURS, cut_coupon, write_drawing
+
+    sheet = (cfg.sheet[0] * MM, cfg.sheet[1] * MM)
+    with checking_input(), needs("scan", "commission --coupon-sheet", "ezdxf"):
+        coupon(sheet)
+        folder.mkdir(parents=True)
+        write_drawing(folder, sheet)
+    if cfg.individual is not None:
+        with report.progress("cutting", total=CONTOURS) as step:
+            state = {"payload": cfg.payload, **robot_state(cfg)}
+            cut_coupon(folder, sheet, state, seed, step)
+    report.line(f"The coupon is in {folder}")
 
 
 def _choose(report: Report, cfg: CommissionCfg) -> None:
@@ -117,7 +177,9 @@ def _choose(report: Report, cfg: CommissionCfg) -> None:
 def _names(cfg: CommissionCfg) -> list[str]:
     """Names of the cuts to identify from. Raises ValueError for one to leave out that is not, and
     for one that is given twice."""
-    names = list(named(cfg.recordings)) or [f"cut-{i + 1}" for i in range(cfg.cuts)]
+    virtual = [] if cfg.measure == "scan" else [f"cut-{i + 1}" for i in range(cfg.cuts)]
+    of_sheet = [] if cfg.coupon is None else list(coupon())
+    names = [*(list(named(cfg.recordings)) or virtual), *of_sheet]
     if unknown := [name for name in cfg.leave_out if name not in names]:
         raise ValueError(f"there is no cut {unknown[0]!r} to leave out. Cuts: {', '.join(names)}")
     if not (left := [name for name in names if name not in cfg.leave_out]):
@@ -175,14 +237,18 @@ def _results(found: CommissionedTwin) -> dict[str, Any]:
     }
 
 
-def _show(report: Report, outcome: dict[str, Any], sensor: ToolSensor) -> None:
-    rows = [
-        [c["name"]]
-        + ["-" if c[k] is None else sensor.factor * c[k] for k in ("within", "held_out")]
-        for c in outcome["cuts"]
-    ]
+def _show(report: Report, outcome: dict[str, Any], sensors: Sequence[SensorName]) -> None:
     columns = ["cut", "in the identification", "held out"]
-    report.table(f"What the twin leaves of the {sensor.quantity} [{sensor.unit}]", columns, rows)
+    for name in dict.fromkeys(sensors):
+        sensor = SENSORS[name]
+        rows = [
+            [c["name"]]
+            + ["-" if c[k] is None else sensor.factor * c[k] for k in ("within", "held_out")]
+            for c, seen_by in zip(outcome["cuts"], sensors, strict=True)
+            if seen_by == name
+        ]
+        head = f"What the twin leaves of the {sensor.quantity} [{sensor.unit}]"
+        report.table(head, columns, rows)
     unknown, every = outcome["not_identified"], len(outcome["parameters"])
     kinds = sorted({name.split(" ")[0] for name in unknown})
     report.line(

@@ -199,8 +199,9 @@ class LaserCfg(ContourCfg):
     """Learning law. heuristic is Q(u + gamma q^delta e), thesis (9.2), simulated the same on the
     nominal robot between two runs (--measure motor); the others invert a model of the arm [auto:
     heuristic for --measure motor, inverse otherwise]."""
-    measure: Literal["motor", "estimate", "tracker"] = NOT_NAMED
-    """Learn from [default: motor]. Motor angles, or the tool by an IMU estimate or the tracker."""
+    measure: Literal["motor", "estimate", "tracker", "scan"] = NOT_NAMED
+    """Learn from [default: motor]. Motor angles, the tool by an IMU estimate or the tracker, or a
+    scan of each part that is cut, by a virtual scanner."""
     gamma: Annotated[tuple[float, ...], SOME] = _BY_ROBOT
     """Learning gain [default: 0.9]. One for all motors or six [default with --robot irb1400
     --measure motor: 1]."""
@@ -255,7 +256,7 @@ class LaserCfg(ContourCfg):
             most = f"below {LARGEST_INVERSE_GAIN:g} with --law inverse"
             raise ValueError(f"gamma must be {most}, got {self.gamma[0]:g}")
         if motor and self.law in ("inverse", "norm-optimal"):
-            raise ValueError(f"law {self.law} needs --measure estimate or tracker")
+            raise ValueError(f"law {self.law} needs --measure estimate, tracker or scan")
         if not motor and self.law == "simulated":
             raise ValueError("law simulated needs --measure motor")
         if self.law == "simulated" and self.twin is not None:

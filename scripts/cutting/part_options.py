@@ -95,8 +95,9 @@ class CutCfg(KnownGearsCfg):
     """Named pose. The middle of the part lies there, with its orientation of the tool."""
     plane: Literal["base-xy", "tool"] = "base-xy"
     """Plane. The base x-y plane, or perpendicular to the tool axis."""
-    measure: Literal["motor", "estimate", "tracker"] = NOT_NAMED
-    """Learn from [default: motor]. Motor angles, or the tool by an IMU estimate or the tracker."""
+    measure: Literal["motor", "estimate", "tracker", "scan"] = NOT_NAMED
+    """Learn from [default: motor]. Motor angles, the tool by an IMU estimate or the tracker, or a
+    scan of each part that is cut, by a virtual scanner."""
     iterations: int = 5
     """Updates, of each contour at most; one run more is made."""
     twin: Path | None = None
@@ -169,7 +170,7 @@ def part_cut(file: Path, cfg: CutCfg) -> "PartCut":
         limits=limits,
         payload=cfg.payload,
         friction_spread=FRICTION_SPREAD * 1e-2,
-        imu=None if cfg.measure == "motor" else ImuCfg(),
+        imu=None if cfg.measure in ("motor", "scan") else ImuCfg(),
         **known_state(cfg, find_cell(cfg.robot).robot),
     )
     found.tool_pose  # noqa: B018 - raises for an unknown pose

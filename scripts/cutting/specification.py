@@ -73,7 +73,7 @@ def _cut(cfg: ContourCfg, curve: ClosedCurve, runs: int, measure: str) -> Cut:
         payload=cfg.payload,
         friction_spread=(cfg.friction_spread or 0.0) * 1e-2,
         **known_state(cfg, cfg.cell.robot),
-        imu=None if measure == "motor" else ImuCfg(),
+        imu=None if measure in ("motor", "scan") else ImuCfg(),
     )
 
 
@@ -96,9 +96,16 @@ def measure(cfg: LaserCfg) -> Measure:
 
     kind = ToolLawKind("inverse" if cfg.law == "auto" else cfg.law)
     (gamma, *_), (delta, *_), (cutoff, *_) = cfg.gamma, cfg.delta, cfg.cutoff
+    law = ToolLaw(kind=kind, gamma=gamma, delta=delta, cutoff=None if cfg.up_to_mode else cutoff)
+    if cfg.measure == "scan":
+        from armside.sim.laser.scan_measure import ScannedPart
+
+        return ScannedPart(
+            law=law, parameters=parameters, stiffness_error=cfg.stiffness_error * 1e-2
+        )
     return ToolPath(
         source=Source(cfg.measure),
-        law=ToolLaw(kind=kind, gamma=gamma, delta=delta, cutoff=None if cfg.up_to_mode else cutoff),
+        law=law,
         commissioning=Commissioning(on_fault=OnFault(cfg.on_imu_fault)),
         stiffness_error=cfg.stiffness_error * 1e-2,
         parameters=parameters,

@@ -7,10 +7,13 @@ import numpy as np
 
 from armside.sim.robot.mjcf import AXES
 from armside.sim.robot.virtual_robot import LOG_PERIOD
-from armside.sim.twin.commission import SENSORS, CommissionedTwin
+from armside.sim.twin.commission import SENSORS, CommissionedTwin, sensor_of
 from armside.sim.twin.correction import friction_constants, lugre
+from armside.sim.twin.parameters import Parameters
 from armside.sim.twin.recordings import MeasuredCut
 from armside.sim.twin.sensitivities import Against
+from armside.sim.twin.tool_sensor import ToolSensor
+from armside.sim.twin.twin import Twin
 
 from .canvas import COLORS, INK, panels
 
@@ -53,25 +56,48 @@ def friction(file: Path, found: CommissionedTwin, cuts: Sequence[MeasuredCut]) -
 
 
 def residuals(file: Path, found: CommissionedTwin, cuts: Sequence[MeasuredCut]) -> None:
-    """RMS of the tool sensor's residual in each cut: by design, twin of the others, twin."""
-    twin, quality, sensor = found.twin, found.identified, SENSORS[found.twin.sensor]
-    against = (Against(twin.design, twin.parameters, cut, sensor) for cut in cuts)
-    before = (one.residuals(twin.parameters.mean).tool for one in against)
+    """RMS of the tool sensor's residual in each cut: by design, twin of the others, twin. A panel
+    for each sensor."""
+    twin, quality = found.twin, found.identified
+    measure = "tracker" if twin.sensor == "tracker" else "imu"
+    names = [sensor_of(cut, measure) for cut in cuts]
+    kinds = list(dict.fromkeys(names))
+    before = np.array(
+        [_by_design(twin, cut, SENSORS[n]) for cut, n in zip(cuts, names, strict=True)]
+    )
     bars = (
-        ("design of the robot", [np.sqrt((r**2).sum(axis=1).mean()) for r in before], COLORS[5]),
+        ("design of the robot", before, COLORS[5]),
         ("twin of the other cuts", quality.held_out, COLORS[4]),
         ("twin", quality.within, COLORS[0]),
     )
-    width, place = max(6.0, 0.9 * len(cuts) + 1.2), np.arange(len(cuts))
-    title = f"{sensor.quantity.capitalize()} in each cut: measured less predicted, by model"
-    edges = 0.7 / width, 1.0 - 0.1 / width, 0.13, 0.8
-    with panels(file, (width, 4.0), edges=edges) as (axes,):
-        axes.figure.suptitle(title, x=0.02, ha="left", fontsize=10)
-        for i, (label, values, color) in enumerate(bars):
-            heights = sensor.factor * np.asarray(values)
-            drawn = axes.bar(place + 0.27 * (i - 1), heights, 0.25, color=color, label=label)
-            shown = [f"{h:.{0 if h >= 10.0 else 1}f}" if np.isfinite(h) else "" for h in heights]
-            axes.bar_label(drawn, shown, fontsize=7, padding=1)
-        axes.set_ylabel(f"RMS [{sensor.unit}]")
-        axes.set_xticks(place, [cut.name for cut in cuts], rotation=20 if len(cuts) > 6 else 0)
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=9)
+    width = max(6.0, 0.9 * len(cuts) + 1.2 * len(kinds))
+    edges, gaps = (0.7 / width, 1.0 - 0.1 / width, 0.13, 0.8), (0.25, 0.0)
+    with panels(file, (width, 4.0), 1, len(kinds), edges=edges, gaps=gaps) as grid:
+        shown = " and ".join(SENSORS[kind].quantity for kind in kinds)
+        title = f"{shown.capitalize()} in each cut: measured less predicted, by model"
+        grid[0].figure.suptitle(title, x=0.02, ha="left", fontsize=10)
+        for axes, kind in zip(grid, kinds, strict=True):
+            own = [i for i, name in enumerate(names) if name == kind]
+            for i, (label, values, color) in enumerate(bars):
+                heights = SENSORS[kind].factor * np.asarray(values)[own]
+                place = np.arange(len(own)) + 0.27 * (i - 1)
+                drawn = axes.bar(place, heights, 0.25, color=color, label=label)
+                said = [f"{h:.{0 if h >= 10.0 else 1}f}" if np.isfinite(h) else "" for h in heights]
+                axes.bar_label(drawn, said, fontsize=7, padding=1)
+            axes.set_ylabel(f"RMS [{SENSORS[kind].unit}]")
+            turned = 20 if len(cuts) > 6 else 0
+            axes.set_xticks(np.arange(len(own)), [cuts[i].name for i in own], rotation=turned)
+        grid[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=9)
+
+
+def _by_design(twin: Twin, cut: MeasuredCut, sensor: ToolSensor) -> float:
+    """RMS of a cut's residual by the design, but for what is unknown of the sensor itself."""
+    own = sensor.own(cut)
+    parameters = Parameters((*twin.parameters.blocks, *own)) if own else twin.parameters
+    against = Against(twin.design, parameters, cut, sensor)
+    left = against.residuals(parameters.mean).tool
+    if own:
+        columns = against.of_sensor.reshape(left.size, -1)
+        fitted = columns @ np.linalg.lstsq(columns, left.ravel(), rcond=1e-9)[0]
+        left = left - fitted.reshape(left.shape)
+    return float(np.sqrt((left**2).sum(axis=1).mean()))

@@ -26,7 +26,7 @@ from .specification import Setup
 FROM_A_MODEL = 10.0
 """Factor on the ratio that counts as divergence where learning starts from a model's correction:
 its first error is a tenth of the usual one."""
-MEASURES = ("motor", "estimate", "tracker", "truth")
+MEASURES = ("motor", "estimate", "tracker", "scan", "truth")
 """Names of measured outputs."""
 Start = Array | RunState
 """What learning starts from: (N, n) [rad], arm side, correction of the first run, such as a twin's;
@@ -47,7 +47,7 @@ def learn(
 
     Args:
         cut: of one contour, or of a part with many.
-        measure: output that is learned from: motor, estimate, tracker, truth, or one's own.
+        measure: output that is learned from: motor, estimate, tracker, scan, truth, or one's own.
         seed: of the instruments' set-up and all noise, and of friction where the cut has no
             individual.
         law, plant, start: as of `iterate`.
@@ -160,6 +160,10 @@ def measure_of(name: str) -> Measure:
         raise ValueError(f"Unknown measure {name!r}. Measures: {', '.join(MEASURES)}")
     if name == "motor":
         return MotorAngles()
+    if name == "scan":
+        from .scan_measure import ScannedPart
+
+        return ScannedPart()
     from .tool_measure import Source, ToolPath
 
     return ToolPath(source=Source(name))

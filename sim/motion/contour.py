@@ -21,7 +21,8 @@ CORNER = 0.15
 
 
 class ClosedCurve(Protocol):
-    """Closed curve in a plane, traversed counter-clockwise; s is taken modulo `length`."""
+    """Closed curve in a plane, traversed counter-clockwise unless it is `clockwise`; s is taken
+    modulo `length`."""
 
     @property
     def length(self) -> float:
@@ -95,7 +96,7 @@ class ArcsAndLines:
             raise ValueError("every element of a contour must be longer than 0 m")
         gap = np.linalg.norm(self._corners[-1] - self._corners[0])
         angle = sum(length * curvature for length, curvature in self.elements)
-        if gap > CLOSURE * self.length or abs(angle - 2.0 * np.pi) > 1e-9:
+        if gap > CLOSURE * self.length or abs(abs(angle) - 2.0 * np.pi) > 1e-9:
             raise ValueError(
                 f"the contour does not close: its end is {gap:g} m from its start and it turns by "
                 f"{np.degrees(angle):g} deg"
@@ -157,7 +158,8 @@ class ArcsAndLines:
     def _heading(self) -> Array:
         """(E,) [rad], direction of each element at its start."""
         angles = [length * curvature for length, curvature in self.elements]
-        return np.pi / 2 + np.concatenate([[0.0], np.cumsum(angles)[:-1]])
+        first = np.copysign(np.pi / 2, sum(angles))
+        return first + np.concatenate([[0.0], np.cumsum(angles)[:-1]])
 
     @cached_property
     def _corners(self) -> Array:
@@ -212,6 +214,14 @@ def slot(length: float, width: float) -> ArcsAndLines:
     quarter, half = (np.pi / 2 * radius, 1.0 / radius), (np.pi * radius, 1.0 / radius)
     line = (length - width, 0.0)
     return ArcsAndLines((length / 2, 0.0), (quarter, line, half, line, quarter))
+
+
+def clockwise(curve: "Circle | ArcsAndLines") -> ArcsAndLines:
+    """The same contour from the same point on, the other way round."""
+    if isinstance(curve, Circle):
+        return ArcsAndLines((curve.radius, 0.0), ((curve.length, -1.0 / curve.radius),))
+    back = tuple((length, -bend) for length, bend in reversed(curve.elements))
+    return ArcsAndLines(curve.start, back)
 
 
 def _require_positive(name: str, value: float) -> None:

@@ -2,10 +2,11 @@
 
 import re
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from .drawing import Drawing, DrawnChain, Reading, check_size, join, shapely
 
 SAGITTA = 2e-6
 """Of the polygons that contours are compared by [m]."""
+Made = TypeVar("Made")
 TWICE = 5e-6
 """Distance up to which two contours are taken for one that is drawn twice [m]."""
 
@@ -130,7 +132,13 @@ def read_part(file: Path, reading: Reading | None = None) -> Part:
         OSError: the file cannot be read.
         ModuleNotFoundError: a package of the extra `parts` is missing.
     """
-    reading = reading or Reading()
+    return read_chains(file, reading or Reading(), part_of)
+
+
+def read_chains(
+    file: Path, reading: Reading, made: Callable[[list[DrawnChain], tuple[str, ...]], Made]
+) -> Made:
+    """What is made of the joined chains of a drawing and its notes. Raises as `read_part` does."""
     try:
         drawing = _drawing(file, reading)
         if not drawing.entities:
@@ -138,7 +146,7 @@ def read_part(file: Path, reading: Reading | None = None) -> Part:
             raise ValueError(f"there is nothing to cut{more}")
         check_size(drawing)
         chains, gaps = join(drawing.entities, reading.join)
-        return part_of(chains, (*drawing.notes, *gaps))
+        return made(chains, (*drawing.notes, *gaps))
     except ValueError as error:
         reason = str(error).removeprefix(f"{file.name}: ")
         raise ValueError(f"{file.name}: {reason}") from error

@@ -28,6 +28,7 @@ from .identification import (
 )
 from .imu_sensor import IMU
 from .recordings import ImplausibleError, MeasuredCut, SensorName, measured, measured_from
+from .scan_sensor import SCAN
 from .sensitivities import Against
 from .simulation import RobotDesign, design_of, motor_path, robot_digest, tool_path
 from .tool_sensor import TRACKER, ToolSensor
@@ -135,7 +136,7 @@ _TORQUE, _TOOL = 2e-3, 1e-5
 """Residuals to expect: of torque over its limit, and of the tool [m]; as with hidden hinges."""
 
 
-SENSORS: Mapping[SensorName, ToolSensor] = {"tracker": TRACKER, "imu": IMU}
+SENSORS: Mapping[SensorName, ToolSensor] = {"tracker": TRACKER, "imu": IMU, "scan": SCAN}
 
 _LARGEST_ERROR = 0.02
 """[rad], of a motor from its reference: ten times what a cut at full speed shows. ESTIMATE."""
@@ -172,6 +173,25 @@ def check(design: RobotDesign, cut: MeasuredCut, sensor: ToolSensor) -> None:
         )
 
 
+def sensor_of(cut: MeasuredCut, measure: SensorName) -> SensorName:
+    """What a cut is identified from: the scan of it, if there is one."""
+    return measure if cut.scan is None else "scan"
+
+
+def _check_outlier(left: Sequence[tuple[str, float]], sensor: ToolSensor) -> None:
+    """Raise ImplausibleError for a cut whose held-out residual is far above those of the others."""
+    if len(left) < 3:
+        return
+    name, worst = max(left, key=lambda each: each[1])
+    usual = float(np.median([each for _, each in left]))
+    if worst > max(sensor.unsuspicious, _OUTLIER * usual):
+        raise ImplausibleError(
+            f"{name} contradicts the other cuts: a twin of those leaves "
+            f"{sensor.factor * worst:.3g} {sensor.unit} of the {sensor.quantity}, "
+            f"{sensor.factor * usual:.3g} is usual; leave it out, or cut it again"
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class CommissionedTwin:
     """A twin, and what its identification says of itself."""
@@ -195,7 +215,7 @@ def commission(
     Args:
         robot: name of the cell.
         payload: mass of its tool [kg]; that of the robot's file if None.
-        measure: sensor of the tool.
+        measure: sensor of the tool; cuts that a scan was made of are identified from that.
         checked: recordings are held against the nominal robot and each other, within limits for
             cuts: not for long motions, or a tool that is heavier than that of its file.
         progress: called after each cut of each step.
@@ -206,26 +226,32 @@ def commission(
     """
     if not cuts:
         raise ValueError("commissioning needs one recorded cut or more")
-    design, sensor = design_of(robot, payload), SENSORS[measure]
-    for cut in cuts if checked else ():
+    names = {sensor_of(cut, measure) for cut in cuts}
+    if names == {"tracker", "scan"}:
+        raise ValueError("a coupon goes with cuts by an IMU, or alone, not with those of a tracker")
+    design = design_of(robot, payload)
+    sensors = [SENSORS[sensor_of(cut, measure)] for cut in cuts]
+    for cut, sensor in zip(cuts, sensors, strict=True) if checked else ():
         check(design, cut, sensor)
-    found = identify(design, cuts, cfg, progress, sensor=sensor)
-    left = found.held_out
-    worst, usual = int(np.nan_to_num(left).argmax()), float(np.median(left))
-    if checked and len(cuts) > 2 and left[worst] > max(sensor.unsuspicious, _OUTLIER * usual):
-        raise ImplausibleError(
-            f"{cuts[worst].name} contradicts the other cuts: a twin of those leaves "
-            f"{sensor.factor * left[worst]:.3g} {sensor.unit} of the {sensor.quantity}, "
-            f"{sensor.factor * usual:.3g} is usual; leave it out, or cut it again"
+    kinds = sensors if len({id(sensor) for sensor in sensors}) > 1 else sensors[0]
+    found = identify(design, cuts, cfg, progress, sensor=kinds)
+    for sensor in (SENSORS[name] for name in SENSORS) if checked else ():
+        _check_outlier(
+            [
+                (cut.name, left)
+                for cut, own, left in zip(cuts, sensors, found.held_out, strict=True)
+                if own is sensor
+            ],
+            sensor,
         )
     twin = Twin(
         robot=robot,
         digest=robot_digest(robot),
         payload=payload,
-        sensor=measure,
+        sensor="imu and scan" if names == {"imu", "scan"} else names.pop(),
         theta=found.theta,
         covariance=found.covariance,
-        held_out=sensor.displacement * left,
+        held_out=found.held_out * [sensor.displacement for sensor in sensors],
         torque_residual=np.sqrt(np.mean(found.torque**2, axis=0)),
         names=tuple(cut.name for cut in cuts),
     )

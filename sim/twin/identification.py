@@ -47,7 +47,7 @@ class Group(NamedTuple):
     def left(self, change: Array) -> float:
         """Root mean square of the residual after a change of theta."""
         quadratic = change @ self.information @ change - 2.0 * change @ self.gradient
-        return float(np.sqrt(max(self.power + quadratic, 0.0) / self.rows))
+        return float(np.sqrt(max(self.power + quadratic, 0.0) / max(self.rows, 1)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ class Compared:
     residuals: Residuals
     columns: Columns
     groups: Sequence[Group]
-    """Torque of each axis, then the tool's sensor."""
+    """Torque of each axis, then each kind of the tool's sensors: nothing but of this cut's."""
 
     def tool_residual(self, change: Array) -> float:
         """Root mean square after a change of theta, in the unit of the sensor."""
@@ -66,11 +66,16 @@ class Compared:
 
 
 def compared(
-    against: Against, theta: Array, columns: Columns | None, tool: bool = True
+    against: Against,
+    theta: Array,
+    columns: Columns | None,
+    kinds: Sequence[ToolSensor] | None = None,
+    tool: bool = True,
 ) -> Compared:
     """A cut against the twin of theta, with sensitivities from before, or anew if None.
 
-    tool: as of `Against.linearised`.
+    kinds: of sensors that the cuts were seen by; that of this cut if None. tool: as of
+    `Against.linearised`.
     """
     if columns is None:
         residuals, columns = against.linearised(theta, tool=tool)
@@ -78,7 +83,9 @@ def compared(
         residuals = against.residuals(theta)
     on, m = residuals.moving, columns.tool.shape[-1]
     equations = [(columns.torque[on, i], residuals.torque[on, i]) for i in range(N_AXES)]
-    equations.append((columns.tool.reshape(-1, m), residuals.tool.ravel()))
+    for kind in [against.sensor] if kinds is None else kinds:
+        rows = slice(None) if kind is against.sensor else slice(0)
+        equations.append((columns.tool[rows].reshape(-1, m), residuals.tool[rows].ravel()))
     groups = [Group(A.T @ A, A.T @ b, float(b @ b), len(b)) for A, b in equations]
     return Compared(residuals, columns, groups)
 
@@ -167,18 +174,29 @@ def identify(
     cfg: Identification = Identification(),
     progress: Callable[[], None] = lambda: None,
     *,
-    sensor: ToolSensor = TRACKER,
+    sensor: ToolSensor | Sequence[ToolSensor] = TRACKER,
 ) -> IdentifiedParameters:
     """Identify an individual from recorded cuts.
+
+    sensor: of the tool, one for all cuts or one for each. What is unknown of a sensor itself is
+    identified too, and left out of the result.
 
     The first step moves friction and masses alone, by torque: what the tool does before the motors
     move as they should would be taken for springs.
     """
-    parameters = parameters_of(design)
-    each = [Against(design, parameters, cut, sensor) for cut in cuts]
+    numbers = [cut.scan.number for cut in cuts if cut.scan is not None]
+    if len(set(numbers)) < len(numbers):
+        raise ValueError("a contour was scanned twice: the cuts of one sheet are identified from")
+    sensors = [sensor] * len(cuts) if isinstance(sensor, ToolSensor) else list(sensor)
+    kinds = list({id(kind): kind for kind in sensors}.values())
+    of_robot = parameters_of(design)
+    own = {b.name: b for cut, kind in zip(cuts, sensors, strict=True) for b in kind.own(cut)}
+    parameters = Parameters((*of_robot.blocks, *own.values()))
+    each = [Against(design, parameters, cut, kind) for cut, kind in zip(cuts, sensors, strict=True)]
     torque_noise = TORQUE_NOISE * design.model.drives.torque_limit
-    least = np.append(torque_noise, sensor.noise)
-    correlation = np.append(np.full(N_AXES, CORRELATION), sensor.correlation)
+    least = np.append(torque_noise, [kind.noise for kind in kinds])
+    of_torque = np.full(N_AXES, CORRELATION)
+    correlation = np.append(of_torque, [kind.correlation for kind in kinds])
     solving = Solving(parameters, parameters.mean, least, correlation)
     found, last = list[Compared](), solving
     covariance = np.diag(parameters.standard_deviation**2)
@@ -187,8 +205,9 @@ def identify(
             anew = step in cfg.linearised
             known = [None] * len(each) if anew else [cut.columns for cut in found]
             found = list[Compared]()
+            tool = cfg.of_tool(step)
             for cut in pool.map(
-                compared, each, repeat(solving.theta), known, repeat(cfg.of_tool(step))
+                compared, each, repeat(solving.theta), known, repeat(kinds), repeat(tool)
             ):
                 found.append(cut)
                 progress()
@@ -201,9 +220,10 @@ def identify(
         without.append(cut.tool_residual(last.solve(others)[0]) if others else np.nan)
     residuals = [cut.residuals for cut in found]
     torque = [np.mean(each.torque[each.moving] ** 2, axis=0) for each in residuals]
+    m = of_robot.size
     return IdentifiedParameters(
-        theta=solving.theta,
-        covariance=covariance,
+        theta=solving.theta[:m],
+        covariance=covariance[:m, :m],
         held_out=np.array(without),
         within=np.array([cut.tool_residual(whole) for cut in found]),
         torque=np.sqrt(torque),

@@ -35,7 +35,7 @@ from ..laser.experiment import Experiment
 from ..robot.individual import Individual
 from .correction import learn_in_twin, twin_error
 from .parameters import Parameters
-from .recordings import SensorName
+from .recordings import TwinSensor
 from .simulation import RobotDesign, motor_path
 
 WIDER = 4.0
@@ -61,19 +61,20 @@ def is_identified(parameters: Parameters, covariance: Array) -> np.ndarray:
     return np.sqrt(np.diag(covariance)) <= _IDENTIFIED * parameters.standard_deviation
 
 
-_FACTORS: Mapping[SensorName, Mapping[int, tuple[float, float, float]]] = {
+_FACTORS: Mapping[TwinSensor, Mapping[int, tuple[float, float, float]]] = {
     "tracker": {10: (0.53, 1.0, 1.7), 4: (0.36, 0.84, 1.42), 2: (0.24, 0.5, 0.94)},
     "imu": {10: (0.57, 1.0, 1.92)},
 }
 """Lower end of the interval of 90 %, expected error and upper end, over r; by the sensor and the
-number of cuts that the twin was identified from."""
+number of cuts that the twin was identified from. Not fitted yet to twins that a scan was used for:
+they have those of an IMU, and are not called calibrated."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Evidence:
     """What a twin was identified from, and what it leaves of a cut that it was not."""
 
-    sensor: SensorName
+    sensor: TwinSensor
     n_cuts: int
     residual: float
     """[m]."""
@@ -95,23 +96,28 @@ class FirstCutPrediction:
     """The interval was fitted to twins like this one."""
 
 
+def factors(evidence: Evidence) -> tuple[float, float, float]:
+    """Lower end, expectation and upper end over r."""
+    known = _FACTORS.get(evidence.sensor, _FACTORS["imu"])
+    # Of the largest number of cuts that is not above this twin's; of the most below all.
+    return known[max((n for n in known if n <= evidence.n_cuts), default=max(known))]
+
+
 def predicted(
     uncorrected: float, inside: float, around: Array, evidence: Evidence
 ) -> FirstCutPrediction:
     """Prediction from errors in the twin and around it, (n,), all in m."""
     spread = max(float(np.mean(around**2)) - inside**2, 0.0)
     variance = inside**2 + _SPREAD**2 * spread + (_RESIDUAL * evidence.residual) ** 2
-    known, r = _FACTORS[evidence.sensor], float(np.sqrt(variance))
-    # Of the largest number of cuts that is not above this twin's; of the most below all.
-    fitted = max((n for n in known if n <= evidence.n_cuts), default=max(known))
-    low, middle, high = known[fitted]
+    r = float(np.sqrt(variance))
+    low, middle, high = factors(evidence)
     return FirstCutPrediction(
         uncorrected=uncorrected,
         inside=inside,
         expected=middle * r,
         low=low * r,
         high=high * r,
-        calibrated=evidence.n_cuts >= min(known),
+        calibrated=evidence.n_cuts >= min(_FACTORS.get(evidence.sensor, {np.inf: ()})),
     )
 
 

@@ -25,6 +25,8 @@ from ..evaluation.recorded import notes_of_signals, notes_of_table
 from ..instruments.imu import ImuCfg, ImuSamples
 from ..instruments.laser_tracker import TrackerSamples
 from ..laser.experiment import Pass
+from ..motion.contour import ClosedCurve
+from ..motion.path import Plane
 from ..notes import Note
 from ..records.files import InputError
 from ..records.signals import missing_columns, signals_of
@@ -32,11 +34,14 @@ from ..records.tables import floats, read_table
 from ..robot.mjcf import AXES
 from ..robot.recording import Recording
 from ..robot.virtual_robot import LOG_PERIOD
+from ..scan.reading import ScannedContour
 
 _TRACKER_FILTER = 40.0
 """[Hz], zero-phase low-pass of tracker positions."""
-SensorName = Literal["tracker", "imu"]
-"""Sensor of the tool that a twin is identified from."""
+SensorName = Literal["tracker", "imu", "scan"]
+"""Sensor of the tool that a cut is identified from."""
+TwinSensor = Literal["tracker", "imu", "scan", "imu and scan"]
+"""What the cuts were seen by that a twin is identified from."""
 _SIGNALS = "signals.parquet"
 CONFIG = b"armside.config"
 """In the metadata of a table that we wrote."""
@@ -48,9 +53,32 @@ _TRACKER, _ACCELERATION, _RATE = (
 _SENSORS: Mapping[SensorName, tuple[str, ...]] = {
     "tracker": _TRACKER,
     "imu": (*_ACCELERATION, *_RATE),
+    "scan": (),
 }
 _CLOCK = 1e-6
 """[s], by which instants of the log may differ from its rate."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ScannedCut:
+    """What a scan of a sheet says of one cut, and where the contour is on the sheet."""
+
+    contour: ScannedContour
+    curve: ClosedCurve
+    """As drawn, counter-clockwise around its middle."""
+    middle: Array
+    """(2,) [m], in the coordinates of the drawing."""
+    plane: Plane
+    """Of the contour, its origin at the contour's middle."""
+    contour_time: tuple[float, float]
+    """[s], of the log, at which the beam is on."""
+    clockwise: bool
+    number: int
+    count: int
+    """Place of the contour among those of the sheet, in the order in which they were cut."""
+    scale: float
+    """Standard deviation of the scanner's scale."""
+    beam_measured: bool
 
 
 class ImplausibleError(InputError):
@@ -73,6 +101,7 @@ class MeasuredCut:
     rest: Array | None = None
     """(3,) [m], position of the tool at rest in base axes, by the tracker."""
     imu: ImuSamples | None = None
+    scan: "ScannedCut | None" = None
 
     @property
     def moving(self) -> np.ndarray:
@@ -167,6 +196,8 @@ def _cut(table: pa.Table, name: str, measure: SensorName) -> MeasuredCut:
     )
     if measure == "imu":
         return replace(cut, imu=_imu(table, float(time[0])))
+    if measure == "scan":
+        return cut
     seen = table.filter(table["tracker_x"].is_valid())
     position, own = _columns(seen, _TRACKER), _time(seen, "tracker")
     if len(own) < 2:

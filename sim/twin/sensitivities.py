@@ -74,7 +74,7 @@ class Against:
 
     def residuals(self, theta: Array) -> Residuals:
         """Residuals against one twin."""
-        return self._residuals(next(self._simulated([theta])))
+        return self._residuals(next(self._simulated([theta])), theta)
 
     def linearised(self, theta: Array, *, tool: bool = True) -> tuple[Residuals, Columns]:
         """Residuals against one twin, and their sensitivities around it.
@@ -103,7 +103,7 @@ class Against:
             change = (run.motor_torque - base.motor_torque) / _STEP
             for axis in range(N_AXES):
                 torque[:, axis, first + axis * parts] = change[:, axis]
-        residuals = self._residuals(base)
+        residuals = self._residuals(base, theta)
         moved = np.zeros((*residuals.tool.shape, m))
         for entry, run in zip(rest, runs, strict=True):
             moved[:, :, entry] = tool * self._tool.change(base, run) / _STEP
@@ -113,6 +113,18 @@ class Against:
             moved[:, :, parameters.at(block)] = sensitive
         return residuals, Columns(torque, moved)
 
-    def _residuals(self, run: Recording) -> Residuals:
+    def _residuals(self, run: Recording, theta: Array) -> Residuals:
         torque = self.cut.motor_torque - run.motor_torque
-        return Residuals(torque, self._tool.residual(run), self.cut.moving)
+        tool = self._tool.residual(run)
+        if self.sensor.own(self.cut):
+            entries = np.concatenate(
+                [theta[self.parameters.at(block.name)] for block in self.sensor.own(self.cut)]
+            )
+            tool = tool - self.of_sensor @ entries
+        return Residuals(torque, tool, self.cut.moving)
+
+    @cached_property
+    def of_sensor(self) -> Array:
+        """(K, C, e), columns of what is unknown of the sensor itself."""
+        columns = self._tool.by_kinematics()
+        return np.concatenate([columns[b.name] for b in self.sensor.own(self.cut)], axis=2)

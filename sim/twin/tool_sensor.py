@@ -24,6 +24,7 @@ from ..robot.effects import gear_orders
 from ..robot.mjcf import AXES, N_AXES
 from ..robot.model import RobotModel
 from ..robot.recording import Recording
+from .parameters import Block
 from .recordings import ImplausibleError, MeasuredCut
 from .simulation import motor_path, tool_path
 
@@ -170,6 +171,8 @@ class ToolSensor:
     """Raises ImplausibleError for a cut without this sensor, or against the nominal robot."""
     comparison: Callable[[RobotModel, MeasuredCut], CutComparison]
     """Of a cut, which has this sensor, with runs of a design."""
+    own: Callable[[MeasuredCut], tuple[Block, ...]] = lambda _: ()
+    """What is unknown of the sensor itself, and shared by all cuts; columns by kinematics."""
 
 
 def check_tracked(model: RobotModel, cut: MeasuredCut) -> None:

@@ -25,7 +25,7 @@ from ..robot.spread import PRODUCTION
 from .identification import parameters_of
 from .parameters import SPRINGS, Parameters
 from .prediction import Corrected, Evidence, correct
-from .recordings import SensorName
+from .recordings import TwinSensor
 from .simulation import RobotDesign, design_of, robot_digest
 
 FORMAT = 2
@@ -44,7 +44,12 @@ FILES = _FILE, _COVARIANCE = "twin.json", "covariance.npy"
 """That a twin is read from."""
 _MEMBERS = 8
 """Two for each core of a small machine four times over: half a second. ESTIMATE."""
-_LOOSENESS: Mapping[SensorName, float] = {"tracker": 5e3, "imu": 0.0}
+_LOOSENESS: Mapping[TwinSensor, float] = {
+    "tracker": 5e3,
+    "imu": 0.0,
+    "scan": 5e3,
+    "imu and scan": 0.0,
+}
 """[1/m]: log(compliance) for each metre of residual, 5 % for 10 um. From individuals 1001 to 1012,
 which are not the judged ones. By the tracker 5e3 ranks their errors best among 0, 2.5e3, 5e3 and
 1e4. The residual of an IMU is its own noise: of 0 the predicted errors follow those of the
@@ -68,7 +73,7 @@ class Twin:
     """Of the robot's file."""
     payload: float | None
     """Mass of the tool at commissioning [kg]; that of the robot's file if None."""
-    sensor: SensorName
+    sensor: TwinSensor
     """What measured the tool."""
     theta: Array
     """(m,), parameters."""
@@ -236,8 +241,8 @@ class Twin:
 
     def _nonsense(self) -> str | None:
         """Why these values cannot be those of a twin; None if they can."""
-        if self.sensor not in get_args(SensorName):
-            return f"its sensor is {self.sensor!r}, not one of {', '.join(get_args(SensorName))}"
+        if self.sensor not in get_args(TwinSensor):
+            return f"its sensor is {self.sensor!r}, not one of {', '.join(get_args(TwinSensor))}"
         drives = (self.friction, self.torque_residual)
         if not all(np.isfinite(values).all() for values in (self.theta, self.covariance, *drives)):
             return "it holds values that are not finite"

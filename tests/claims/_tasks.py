@@ -26,6 +26,9 @@ numbers below 1000, in the order of `numpy.random.default_rng(20261205).permutat
 JUDGED_BY_IMU = (525, 844, 275, 240, 269, 367)
 """Individuals that judge twins by an IMU: those after `JUDGED`, which did so before the interval of
 such twins was fitted."""
+JUDGED_BY_SCAN = (59, 635, 754, 976, 292, 554, 462, 21, 912, 508)
+"""Individuals that judge what a scan gives: the first ten of that permutation that judged nothing
+before."""
 JUDGED_SEED, GUARD_SEED, DEVELOPMENT_SEED = 20261205, 20261206, 77
 SEEN = (909, 940, 874, 841, 129, 177)
 """Individuals that judged before the prediction was fitted anew, and judge no longer."""

@@ -29,8 +29,9 @@ FULL_INSTANCES = {
     "imu-large": 10, "imu-rest": 10, "laser-irb1400": 20, "laser-irb1400-design": 20,
     "laser-irb1400-poses": 20, "estimation-irb1400": 10, "estimation-arms": 2, "long-way": 10,
     "fast-motion": 10, "first-cut": 6, "first-cut-imu": 6, "forecast": 30, "forecast-twin": 6,
-    "imu-twin": 2, "aliens": 12, "robots": 5, "robots-design": 3, "knob-free": 100, "basis-functions": 2,
-    "urdf": 5, "programs": 10, "contest": 10, "contest-robot": 12,
+    "imu-twin": 2, "aliens": 12, "robots": 5, "robots-design": 3, "knob-free": 100,
+    "basis-functions": 2, "urdf": 5, "programs": 10, "contest": 10, "contest-robot": 12,
+    "scan-image": 20, "scan-twin": 10, "scan-twin-development": 6, "scan-learning": 10,
 }  # fmt: skip
 
 
@@ -119,6 +120,11 @@ OUTSIDE = {
     **{"effect": "hysteresis"},
 }
 
+SCANNED = {
+    **{"_across, calibrated": np.full(5, 2.0), "_across, not": np.full(5, 4.0)},
+    **{"size, calibrated": 5.0, "place, calibrated": 5.0, "noise, calibrated": 1.0},
+}
+
 BASES: dict[str, list[dict[str, Any]]] = {
     "estimation": [ESTIMATED] * 2,
     "estimation-irb1400": [ON_AN_ARM | {"robot": "irb1400"}] * 6,
@@ -148,6 +154,7 @@ BASES: dict[str, list[dict[str, Any]]] = {
     "forecast": [MISSED] * 2 + [FORESEEN] * 18 + BY_ESTIMATE,
     "forecast-twin": [MISSED | {"_inside": False}] * 2 + [FORESEEN | {"_inside": True}] * 18,
     "aliens": [OUTSIDE | {"effect": "none"}, OUTSIDE],
+    "scan-image": [SCANNED] * 2,
 }  # fmt: skip
 
 
@@ -338,6 +345,14 @@ BARS = [
             ({}, "_foreseen", "_unlearned", "in the forecast interval, of 20 of 30"),
         )
     ),
+    # Of ten contours four or five are above, of which five are the last row's.
+    bar("scan-image", "_across, calibrated", np.full(5, 3.99), np.full(5, 4.01), "10 Hz, all"),
+    bar("scan-image", "_across, calibrated", [2.0] * 4 + [5.99], [2.0] * 4 + [6.01], "same, worst"),
+    bar("scan-image", "_across, not", np.full(5, 2.01), np.full(5, 1.99), "over uncalibrated", 2),
+    upper("scan-image", "size, calibrated", 10.0, "a diameter"),
+    upper("scan-image", "place, calibrated", 10.0, "place of a contour"),
+    upper("scan-image", "noise, calibrated", 2.0, "stated over"),
+    bar("scan-image", "noise, calibrated", 0.501, 0.499, "stated over"),
 ]  # fmt: skip
 
 

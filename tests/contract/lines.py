@@ -116,6 +116,7 @@ BASE: dict[str, tuple[str, ...]] = {
     "commission": ("--recordings", "../files/run"),
     "calibrate-arm": (f"../files/{POSES}", "--robot", "ur10", "--harmonics", "0"),
     "serve": ("--idle", "0.2"),
+    "scan": ("read",),
     "gears": (f"../files/{MOTION}", "--robot", "ur10", "--largest-order", "60"),
 }
 """Words that make a command short, unless an option takes their place."""

@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+from armside.scripts import cli
 from armside.scripts.commands import commission as command
 from armside.scripts.jobs.grid import Point
 from armside.scripts.jobs.resolved import key_of
@@ -228,3 +229,42 @@ def test_the_plan_states_how_long_each_record_takes(armside, monkeypatch):
     speed, seconds = (float(cell) for cell in row.split("│")[4:6])
     assert speed == 80.0
     assert 0.126 / 0.080 < seconds < 2 * 0.126 / 0.080
+
+
+LEFT_OUT = "square-ccw hexagon-ccw slot-ccw circle-ccw hexagon-cw square-cw slot-cw"
+
+
+@pytest.fixture(scope="module")
+def coupon(made_once):
+    """Folder of a coupon as an individual that is not corrected cut it, of the scan of its sheet,
+    and of the scanner that a grid shows."""
+
+    def cut(folder):
+        for line in (
+            f"commission --coupon-sheet {folder} --sheet 100 100 --individual {INDIVIDUAL}",
+            f"scan calibrate {folder}/grid.png --pitch 10 --out {folder}/scanner",
+        ):
+            assert cli.main(line.split()) == 0
+
+    return made_once("coupon", cut)
+
+
+def test_a_scanned_coupon_shows_where_an_uncorrected_robot_cut(coupon, summary_of):
+    line = f"scan read {coupon}/scan.png --contours {coupon}/coupon.dxf --drawn beam"
+    found = summary_of(f"{line} --scanner {coupon}/scanner --out read")
+    assert found["scale"] == 1e-4  # which a cut that is too small does not widen
+    left_out = [note.split(": ")[1].split() for note in found["notes"] if "left out" in note]
+    assert all(float(lost) < 0.05 * float(of) for lost, _, of, *_ in left_out), left_out
+    *cut, mark, kerf = (of["rms"] for of in found["contours"])
+    assert max(cut) > 150e-6
+    assert max(mark, kerf) < 20e-6  # drawn as they should be, but for the sheet's common place
+
+
+@pytest.mark.parametrize("measure", ["scan", f"imu --individual {INDIVIDUAL} --cuts 1"])
+def test_a_scanned_coupon_makes_a_twin(coupon, summary_of, one_step_commissioning, measure):
+    files = f"--coupon {coupon}/scan.png --scanner {coupon}/scanner/scanner.json"
+    found = summary_of(f"commission --measure {measure} {files} --leave-out {LEFT_OUT} --out twin")
+    *of_imu, circle = found["cuts"]
+    assert [cut["name"] for cut in of_imu] == (["cut-1"] if "imu" in measure else [])
+    assert circle["name"] == "circle-cw"
+    assert circle["within"] < 20e-6

@@ -115,7 +115,7 @@ def test_residuals_of_a_twin_are_titled_by_what_is_subtracted(tmp_path, drawn, m
     parameters = SimpleNamespace(mean=np.zeros(1))
     twin = SimpleNamespace(sensor="tracker", design=None, parameters=parameters)
     found = SimpleNamespace(twin=twin, identified=quality)
-    cuts = [SimpleNamespace(name=name) for name in ("a", "b")]
+    cuts = [SimpleNamespace(name=name, scan=None) for name in ("a", "b")]
     commission.residuals(tmp_path / "r.png", found, cuts)
     (axes,) = drawn[0].axes
     assert drawn[0].get_suptitle().endswith("in each cut: measured less predicted, by model")

@@ -159,7 +159,7 @@ def test_what_cannot_be_done_is_said_before_the_first_run(arguments, said):
 
 
 def test_measures_are_known_by_name():
-    assert set(MEASURES) == {"motor", "estimate", "tracker", "truth"}
+    assert set(MEASURES) == {"motor", "estimate", "tracker", "scan", "truth"}
     experiment = prepare(Cut(imu=ToolPath().imu))
     reads = {name: measure_of(name).prepare(experiment) for name in ("motor", "truth")}
     motor = next(iterate(experiment, reads["motor"], 0))

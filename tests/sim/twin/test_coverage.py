@@ -60,7 +60,7 @@ def seen(sensor, rng, columns):
     return slow / IMU.displacement, Q(rng.standard_normal((len(columns), 3)))
 
 
-@pytest.mark.parametrize("kind", SENSORS)
+@pytest.mark.parametrize("kind", ["tracker", "imu"])
 def test_standard_deviations_hold_the_truth_of_a_linear_cut_at_their_rate(around, kind):
     against, _, before, columns = around
     parameters, rng, inside = against.parameters, np.random.default_rng(0), []
