@@ -1,6 +1,8 @@
 """`armside reproduce papers`: verdicts from results, and checks of their own form."""
 
+import re
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -147,6 +149,14 @@ ASKED = (
     *("T1-two-stage-motor", "T1-two-stage-load", "T2-smoother", "T2-doubled", "T2-online"),
     *("L1", "N1"),
 )
+
+
+@pytest.mark.parametrize("heading", ["The law of the paper", "T2: the tool", "L1 and N1"])
+def test_figures_of_development_have_no_verdict(heading):
+    page = (Path(__file__).parents[2] / "docs" / "papers.md").read_text(encoding="utf-8")
+    section = re.split(r"^##+ ", page.split(f"# {heading}")[1], flags=re.MULTILINE)[0]
+    assert "individual 0, **not judged yet**" in section
+    assert not re.search(r"\bholds?\b|\*\*does not", section)
 
 
 def test_each_comparison_is_named(capsys):
