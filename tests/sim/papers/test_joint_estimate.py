@@ -1,5 +1,7 @@
 """Estimator of Chen and Tomizuka: its filter on known noise, its parts on an arm, and the job."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from armside.sim.laser.experiment import prepare
 from armside.sim.laser.strokes import Strokes, robot_of
 from armside.sim.papers.joint_estimate import (
     ACCELEROMETER,
+    BY_ALL,
     STEP,
     JointEstimator,
     signals,
@@ -77,10 +80,20 @@ def test_a_model_that_is_twice_as_stiff_shows_half_of_the_twist(run):
     experiment, done = run
     seen = signals(experiment, done)
     twists = [
-        seen.motor_angle - arm_of(experiment, factor).rough(seen, np.asarray)
-        for factor in (1.0, 2.0)
+        seen.motor_angle - arm_of(experiment, factor).rough(seen, BY_ALL) for factor in (1.0, 2.0)
     ]
     np.testing.assert_allclose(twists[1], 0.5 * twists[0], atol=1e-12)
+
+
+@pytest.mark.parametrize("changed", ["motor_angle", "torque", "acceleration"])
+def test_later_samples_change_no_causal_estimate_before_them(run, changed):
+    experiment, done = run
+    seen, at = signals(experiment, done), 800
+    later = getattr(seen, changed).copy()
+    later[at:] += 1e-2 * np.arange(1.0, len(later) - at + 1.0)[:, None]
+    a, b = (arm_of(experiment).filtered(s) for s in (seen, replace(seen, **{changed: later})))
+    np.testing.assert_array_equal(a[:at], b[:at])
+    assert np.abs(a[at:] - b[at:]).max() > 1e-6
 
 
 def test_an_accelerometer_of_another_rate_is_refused(run):
