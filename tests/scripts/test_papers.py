@@ -128,6 +128,15 @@ def test_what_is_left_of_an_unseen_motion_is_judged(tmp_path):
     assert not checks["N1"].holds
 
 
+@pytest.mark.parametrize(
+    ("twin", "step", "share"),
+    [(1.3, 1.0, 0.7), (2.7, 1.0, -0.7), (1.3, 3.0, 0.0), (1.3, 1.99, 0.0), (2.0, 2.0, 0.0)],
+)
+def test_a_twin_that_is_worse_or_a_step_that_does_nothing_has_no_share(twin, step, share):
+    run = {"basic": np.array([2.0]), "twin": np.array([twin]), "step": np.array([step])}
+    assert papers.step_share(run) == pytest.approx([share])
+
+
 def test_checks_are_printed_with_the_number_of_the_paper(tmp_path, monkeypatch):
     found = {}
 
