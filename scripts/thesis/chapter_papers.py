@@ -241,7 +241,8 @@ def tool(read: Read, folder: Path) -> Section:
         axis.legend(loc="upper left", bbox_to_anchor=(1, 1))
     caption = (
         "Error of the tool's position at the third stop of the square on the M16iB-like arm, "
-        "static part in; geometry as designed. Ours identifies its springs from the same run."
+        "static part in; geometry as designed. Theirs has the arm's exact nominal stiffness, where "
+        "the two-stage law of T1 knows it to +-30 %; ours identifies its springs from the same run."
     )
     head = ["estimate", "paper", "over motor angles", "stop, geometry as drawn", "stop"]
     table = Table("RMS [mm], medians", [*head, "whole record", "whole, less rest"], rows)
@@ -266,7 +267,8 @@ def edge(read: Read, folder: Path) -> Section:
     limits = int(max(run["limits"].max() for run in runs))
     caption = (
         f"Strokes of 0.1 m with 210 kg on the large robot, {float(runs[0]['speed']):.2f} m/s "
-        f"reached; signed error along the path. Limits reached in a run: {limits} at most."
+        f"reached; signed error along the path, less its mean over the record. "
+        f"Limits reached in a run: {limits} at most."
     )
     head = ["error along the path", "median", "least", "most", "uncorrected [mm, m/s^2]"]
     checks = _checks({id: np.median(ratios) for id, ratios in left.items()})

@@ -112,6 +112,14 @@ def test_papers_are_made_by_their_name_alone():
     assert not seeds & set(DEVELOPMENT)
 
 
+@pytest.mark.parametrize(
+    ("draw", "said"),
+    [(papers.tool, "exact nominal stiffness"), (papers.edge, "less its mean")],
+)
+def test_a_caption_says_what_flatters_its_numbers(draw, said, tmp_path):
+    assert said in drawn(draw, tmp_path)[1].caption
+
+
 def test_what_is_left_of_an_unseen_motion_is_judged(tmp_path):
     checks, _ = drawn(papers.edge, tmp_path)
     assert {id: round(check.ours, 9) for id, check in checks.items()} == {
