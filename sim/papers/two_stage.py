@@ -188,6 +188,8 @@ class TwoStageLaw:
 
     g_u = clip(6 g_u (|e_p| / |e_p| of the run before - 1), 0.2, 1), from 1 on
     g_r = (1 - 0.8 g_u) min(2 max|e| / max|e| of the first run, 1)
+
+    An error over one that was zero is 1 where it still is zero, else infinite.
     """
 
     side: str
@@ -240,14 +242,19 @@ class TwoStageLaw:
         g_u, first = np.ones(len(self.axes)), largest
         if memory is not None:
             first = memory.first_error
-            growth = size / memory.unexplained - 1.0
+            growth = _over(size, memory.unexplained) - 1.0
             g_u = np.clip(6.0 * memory.torque * growth, 0.2, 1.0)
-        g_r = (1.0 - 0.8 * g_u) * np.minimum(2.0 * largest / first, 1.0)
+        g_r = (1.0 - 0.8 * g_u) * np.minimum(2.0 * _over(largest, first), 1.0)
         ahead = self.smooth(e)
         if self.side == "load":
             ahead = ahead[0] + self.through(TwoMass.motor_over_load, ahead - ahead[0])
         learned = self.smooth(r + g_r * ahead), self.smooth(t + g_u * torque)
         return np.hstack(learned), Gains(first, size, g_u)
+
+
+def _over(now: Array, before: Array) -> Array:
+    """now / before, (n,), none negative."""
+    return np.divide(now, before, out=np.where(now > 0.0, np.inf, 1.0), where=before > 0.0)
 
 
 def two_masses(robot: RobotModel, arm: NominalArm, phi: Array) -> Iterator[TwoMass]:

@@ -33,6 +33,17 @@ def test_gains_start_and_adapt_as_printed():
         np.testing.assert_allclose(learned[:, :1], g_r * 0.25 * law.smooth(law.smooth(e[:, :1])))
 
 
+def test_an_error_that_stays_zero_gives_finite_gains_and_one_that_appears_full_torque():
+    law, n = TwoStageLaw("motor", (AXIS,)), 1000
+    wave = np.hstack([np.zeros((n, 1)), np.sin(np.linspace(0.0, 40.0, n))[:, None]])
+    zero = 0.0 * wave
+    _, gains = law.step(zero, zero, None)
+    for error, expected in ((zero, 0.2), (wave, 1.0)):
+        learned, now = law.step(zero, error, gains)
+        np.testing.assert_allclose(now.torque, expected)
+        assert np.isfinite(learned).all()
+
+
 def test_a_law_needs_reference_and_torque_of_each_axis():
     with pytest.raises(ValueError, match="a correction needs 2 columns, got 1"):
         TwoStageLaw("motor", (AXIS,)).check(100, 1)
