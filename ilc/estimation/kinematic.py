@@ -37,8 +37,9 @@ class KinematicFilter:
 
     def smoothed(self, angle: Array, acceleration: Array) -> Array:
         """(N, 2), angle and rate by all samples (N,), with noise of the whole record."""
-        known = self._learned(angle, acceleration, *self._first_noise)
-        return _smoother(*self.process, *known, angle, acceleration)[0]
+        start = np.array([angle[0], 0.0]), AT_START
+        known = self._learned(angle, acceleration, *self._first_noise, *start)
+        return _smoother(*self.process, *known, angle, acceleration, *start)[0]
 
     def filtered(self, angle: Array, acceleration: Array, window: int) -> Array:
         """(N, 2), angle and rate by the samples up to each; noise is that of the window of so many
@@ -50,9 +51,9 @@ class KinematicFilter:
         for first in range(0, len(angle), window):
             now = slice(first, first + window)
             means, _, ahead, of_ahead = _filter(A, B, Q, R, angle[now], acceleration[now], x, P)
-            found[now], x, P = means, ahead[-1], of_ahead[-1]
             if len(angle[now]) == window:
-                Q, R = self._learned(angle[now], acceleration[now], Q, R)
+                Q, R = self._learned(angle[now], acceleration[now], Q, R, x, P)
+            found[now], x, P = means, ahead[-1], of_ahead[-1]
         return found
 
     @property
@@ -63,11 +64,12 @@ class KinematicFilter:
         return acceleration**2 * np.outer(B, B) + 1e-18 * np.eye(2), angle**2
 
     def _learned(
-        self, angle: Array, acceleration: Array, Q: Array, R: float
+        self, angle: Array, acceleration: Array, Q: Array, R: float, x: Array, P: Array
     ) -> tuple[Array, float]:
+        """Q and R of samples, from those before; x, P: what is known ahead of the first sample."""
         A, B = self.process
         for _ in range(self.iterations):
-            _, Q, R = _smoother(A, B, Q, R, angle, acceleration)
+            _, Q, R = _smoother(A, B, Q, R, angle, acceleration, x, P)
         return Q, R
 
 
@@ -93,12 +95,11 @@ def _filter(
 
 @njit(cache=True)
 def _smoother(
-    A: Array, B: Array, Q: Array, R: float, y: Array, u: Array
+    A: Array, B: Array, Q: Array, R: float, y: Array, u: Array, x: Array, P: Array
 ) -> tuple[Array, Array, float]:  # pragma: no cover - compiled
     """Smoothed means (N, 2), and the Q and R of largest expected likelihood by them."""
     n = len(y)
-    start = np.array([y[0], 0.0])
-    mean, covariance, ahead, of_ahead = _filter(A, B, Q, R, y, u, start, AT_START)
+    mean, covariance, ahead, of_ahead = _filter(A, B, Q, R, y, u, x, P)
     new, noise = np.zeros((2, 2)), covariance[n - 1, 0, 0] + (y[n - 1] - mean[n - 1, 0]) ** 2
     for i in range(n - 2, -1, -1):
         G = covariance[i] @ A.T @ np.linalg.inv(of_ahead[i])

@@ -10,6 +10,7 @@ IEEE/ASME Trans. Mechatronics 19(2), 697-706, 2014. All angles and torques are o
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -37,7 +38,8 @@ filter."""
 WINDOW = 500
 """Samples, of the noise of the causal filter."""
 RESTS = 0.4
-"""[s], of rest before the first motion, over which the accelerometer's bias is averaged."""
+"""[s], of rest before the first motion, over which the accelerometer's bias is averaged: the causal
+filter too takes the whole of it, so it is causal from the end of this rest on."""
 KALMAN = KinematicFilter(step=STEP)
 ACCELEROMETER = ImuCfg(
     rate=1.0 / STEP,
@@ -85,6 +87,13 @@ def signals(experiment: Experiment, run: Pass) -> Signals:
     )
 
 
+class Processing(NamedTuple):
+    """Of signals (N, n), every millisecond: low-pass and rate."""
+
+    low_pass: Callable[[Array], Array]
+    rate: Callable[[Array], Array]
+
+
 @dataclass(frozen=True, eq=False)
 class JointEstimator:
     """The estimator on a controller's robot, and an arm of it whose gears alone give way."""
@@ -94,33 +103,33 @@ class JointEstimator:
 
     def smoothed(self, seen: Signals) -> tuple[Array, Array]:
         """Joint angles (N, n) [rad] by all samples, and the accelerations [rad/s^2] beside them."""
-        rough, nearest = self._nearest(seen, ZeroPhaseButterworth(OFFLINE, STEP))
+        rough, nearest = self._nearest(seen, BY_ALL)
         columns = zip(rough.T, nearest.T, strict=True)
         return np.column_stack([KALMAN.smoothed(y, u)[:, 0] for y, u in columns]), nearest
 
     def filtered(self, seen: Signals) -> Array:
-        """(N, n) [rad], by the samples up to each."""
-        columns = zip(*(each.T for each in self._nearest(seen, _causal)), strict=True)
+        """(N, n) [rad], by the samples up to each, from `RESTS` on."""
+        columns = zip(*(each.T for each in self._nearest(seen, BY_PAST)), strict=True)
         return np.column_stack([KALMAN.filtered(y, u, WINDOW)[:, 0] for y, u in columns])
 
-    def _nearest(self, seen: Signals, low_pass: Callable[[Array], Array]) -> tuple[Array, Array]:
+    def _nearest(self, seen: Signals, by: Processing) -> tuple[Array, Array]:
         """Rough angles (N, n) [rad], and the accelerations [rad/s^2] nearest to the rough ones that
         meet the accelerometer."""
-        rough = self.rough(seen, low_pass)
-        rate = low_pass(np.gradient(rough, STEP, axis=0))
-        acceleration = np.gradient(rate, STEP, axis=0)
+        rough = self.rough(seen, by)
+        rate = by.low_pass(by.rate(rough))
+        acceleration = by.rate(rate)
         motion = self.arm.motion
         _, reading = inverse_dynamics(motion, rough, rate, acceleration)
         J, _, _ = imu_kinematics(motion, rough)
-        missing = low_pass(seen.acceleration) - reading[:, :3]
+        missing = by.low_pass(seen.acceleration) - reading[:, :3]
         missing -= missing[: round(RESTS / STEP)].mean(axis=0)
         inverse = np.linalg.pinv(J[:, :3])
         return rough, acceleration + (inverse @ missing[:, :, None])[:, :, 0]
 
-    def rough(self, seen: Signals, low_pass: Callable[[Array], Array]) -> Array:
+    def rough(self, seen: Signals, by: Processing) -> Array:
         """(N, n) [rad], load angles by the model of each axis."""
         arm, drives, gear = self.arm, self.robot.drives, self.robot.drives.gear
-        speed = low_pass(np.gradient(seen.motor_angle, STEP, axis=0))
+        speed = by.low_pass(by.rate(seen.motor_angle))
         friction = np.abs(gear) * drives.coulomb_friction * np.tanh(speed / FRICTION_SPEED)
         friction += gear**2 * drives.viscous_friction * speed
         inertia = self.robot.mj.dof_armature[self.robot.motor]
@@ -140,6 +149,19 @@ def _causal(signal: Array) -> Array:
     for b, a in butterworth(ONLINE, STEP, 2):
         found = recursion(b, a, found)
     return signal[0] + found
+
+
+def _central(signal: Array) -> Array:
+    return np.gradient(signal, STEP, axis=0)
+
+
+def _backward(signal: Array) -> Array:
+    return np.diff(signal, axis=0, prepend=signal[:1]) / STEP
+
+
+BY_ALL = Processing(ZeroPhaseButterworth(OFFLINE, STEP), _central)
+BY_PAST = Processing(_causal, _backward)
+"""Of the smoother, and of the causal filter."""
 
 
 def tool_positions(arm: NominalArm, angle: Array) -> Array:

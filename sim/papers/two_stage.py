@@ -35,8 +35,8 @@ from .joint_estimate import ACCELEROMETER, OFFLINE, STEP, JointEstimator, signal
 
 WITHIN = 0.8
 """Cutoff of Q over the locked frequency of an axis, at most what the accelerometer is smoothed to.
-Beyond it in the paper, by how much is not printed; with 1.0 and 1.2 learning of the load side
-diverges on individual 0 of the M16iB-like arm, whose axes are coupled."""
+Beyond it in the paper, by how much is not printed. On individual 0 of the M16iB-like arm, whose
+axes are coupled, the load side diverges with 0.64, 0.8 and 1.2, the motor side with 1.2."""
 FROM_REST = 0.1, 0.4
 """[s], over which a correction begins: a program starts at rest, where its drives hold the arm."""
 SIDES = ("load", "motor")
@@ -126,7 +126,7 @@ class TwoStage:
 @dataclass(frozen=True)
 class TwoStageOutput:
     """Output (N, 2 n) of a run: angles of the side [rad], and torque that its model leaves
-    unexplained, with the sign of an error [N m]."""
+    unexplained, with the sign of an error [N m]. Neither is filtered: Q is the law's."""
 
     side: str
     experiment: Experiment
@@ -160,11 +160,11 @@ class TwoStageOutput:
         if self.side == "load":
             angle, acceleration = self.estimator.smoothed(signals(self.experiment, run))
             angle, acceleration = angle[::EVERY], acceleration[::EVERY]
-            taken = law.through(law.torque_of_acceleration, law.smooth(acceleration))
+            taken = law.through(law.torque_of_acceleration, acceleration)
         else:
-            taken = law.through(TwoMass.torque_over_motor, law.smooth(angle - angle[0]))
+            taken = law.through(TwoMass.torque_over_motor, angle - angle[0])
         linear = law.through(TwoMass.torque_over_motor, log.reference - log.reference[0])
-        return np.hstack([angle, taken - law.smooth(linear + run.feedback)])
+        return np.hstack([angle, taken - linear - run.feedback])
 
     def size(self, error: Array) -> Array:
         return np.array([float(np.linalg.norm(error[:, : error.shape[1] // 2]))])
@@ -188,6 +188,8 @@ class TwoStageLaw:
 
     g_u = clip(6 g_u (|e_p| / |e_p| of the run before - 1), 0.2, 1), from 1 on
     g_r = (1 - 0.8 g_u) min(2 max|e| / max|e| of the first run, 1)
+
+    An error over one that was zero is 1 where it still is zero, else infinite.
     """
 
     side: str
@@ -240,14 +242,19 @@ class TwoStageLaw:
         g_u, first = np.ones(len(self.axes)), largest
         if memory is not None:
             first = memory.first_error
-            growth = size / memory.unexplained - 1.0
+            growth = _over(size, memory.unexplained) - 1.0
             g_u = np.clip(6.0 * memory.torque * growth, 0.2, 1.0)
-        g_r = (1.0 - 0.8 * g_u) * np.minimum(2.0 * largest / first, 1.0)
-        ahead = self.smooth(e)
+        g_r = (1.0 - 0.8 * g_u) * np.minimum(2.0 * _over(largest, first), 1.0)
+        ahead = e
         if self.side == "load":
-            ahead = ahead[0] + self.through(TwoMass.motor_over_load, ahead - ahead[0])
+            ahead = e[0] + self.through(TwoMass.motor_over_load, e - e[0])
         learned = self.smooth(r + g_r * ahead), self.smooth(t + g_u * torque)
         return np.hstack(learned), Gains(first, size, g_u)
+
+
+def _over(now: Array, before: Array) -> Array:
+    """now / before, (n,), none negative."""
+    return np.divide(now, before, out=np.where(now > 0.0, np.inf, 1.0), where=before > 0.0)
 
 
 def two_masses(robot: RobotModel, arm: NominalArm, phi: Array) -> Iterator[TwoMass]:

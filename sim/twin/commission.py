@@ -147,8 +147,9 @@ _OUTLIER = 5.0
 """Held-out residual of a cut over the median of all, above which it is called corrupt. ESTIMATE."""
 
 
-def check(design: RobotDesign, cut: MeasuredCut, sensor: ToolSensor) -> None:
-    """Raise ImplausibleError for a cut that the nominal robot could not have made."""
+def check(design: RobotDesign, cut: MeasuredCut, sensor: ToolSensor, limits: bool = True) -> None:
+    """Raise ImplausibleError for a cut that the nominal robot could not have made; limits: of how
+    far it may be from the nominal robot's motors and tool."""
     for name in ("reference", "correction", "motor_angle", "motor_torque"):
         if not np.isfinite(getattr(cut, name)).all():
             raise ImplausibleError(f"{cut.name}: {name} holds values that are not finite")
@@ -157,12 +158,12 @@ def check(design: RobotDesign, cut: MeasuredCut, sensor: ToolSensor) -> None:
         raise ImplausibleError(f"{cut.name}: the reference never moves")
     error = np.abs(cut.motor_angle - cut.reference - cut.correction).max(axis=0)
     axis = int(error.argmax())
-    if error[axis] > _LARGEST_ERROR:
+    if limits and error[axis] > _LARGEST_ERROR:
         raise ImplausibleError(
             f"{cut.name}: motor {axis + 1} is up to {error[axis]:.3g} rad from its reference: "
             "another robot, or another unit"
         )
-    sensor.check(design.model, cut)
+    sensor.check(design.model, cut, limits)
     nominal = design.run([Individual()], cut.reference, cut.correction)[0].motor_torque[on]
     gain = float(np.vdot(nominal, cut.motor_torque[on]) / np.vdot(nominal, nominal))
     low, high = _TORQUE_GAIN
@@ -216,8 +217,9 @@ def commission(
         robot: name of the cell.
         payload: mass of its tool [kg]; that of the robot's file if None.
         measure: sensor of the tool; cuts that a scan was made of are identified from that.
-        checked: recordings are held against the nominal robot and each other, within limits for
-            cuts: not for long motions, or a tool that is heavier than that of its file.
+        checked: motors and tool are held against the nominal robot, and recordings against each
+            other, within limits for cuts: not for long motions, or a tool that is heavier than that
+            of its file. Always: values are finite, the reference moves, torques are in N m.
         progress: called after each cut of each step.
 
     Raises:
@@ -231,8 +233,8 @@ def commission(
         raise ValueError("a coupon goes with cuts by an IMU, or alone, not with those of a tracker")
     design = design_of(robot, payload)
     sensors = [SENSORS[sensor_of(cut, measure)] for cut in cuts]
-    for cut, sensor in zip(cuts, sensors, strict=True) if checked else ():
-        check(design, cut, sensor)
+    for cut, sensor in zip(cuts, sensors, strict=True):
+        check(design, cut, sensor, checked)
     kinds = sensors if len({id(sensor) for sensor in sensors}) > 1 else sensors[0]
     found = identify(design, cuts, cfg, progress, sensor=kinds)
     for sensor in (SENSORS[name] for name in SENSORS) if checked else ():

@@ -56,7 +56,7 @@ def sheet_blocks(cut: MeasuredCut) -> tuple[Block, ...]:
     )
 
 
-def check_scanned(model: RobotModel, cut: MeasuredCut) -> None:
+def check_scanned(model: RobotModel, cut: MeasuredCut, against_nominal: bool = True) -> None:
     """Raise ImplausibleError for a cut without a scan, or one that is of something else."""
     if cut.scan is None:
         raise ImplausibleError(f"{cut.name} is not on the scanned sheet")

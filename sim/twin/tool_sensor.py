@@ -167,20 +167,23 @@ class ToolSensor:
     """Displacement of the tool [m] that a residual of one stands for."""
     unsuspicious: float
     """Residual below which no cut is called corrupt. ESTIMATE."""
-    check: Callable[[RobotModel, MeasuredCut], None]
-    """Raises ImplausibleError for a cut without this sensor, or against the nominal robot."""
+    check: Callable[[RobotModel, MeasuredCut, bool], None]
+    """Raises ImplausibleError for a cut without this sensor, or, if told so, against the nominal
+    robot."""
     comparison: Callable[[RobotModel, MeasuredCut], CutComparison]
     """Of a cut, which has this sensor, with runs of a design."""
     own: Callable[[MeasuredCut], tuple[Block, ...]] = lambda _: ()
     """What is unknown of the sensor itself, and shared by all cuts; columns by kinematics."""
 
 
-def check_tracked(model: RobotModel, cut: MeasuredCut) -> None:
+def check_tracked(model: RobotModel, cut: MeasuredCut, against_nominal: bool = True) -> None:
     """Raise ImplausibleError for a cut without a tracker, or against the nominal robot."""
     if cut.tool is None:
         raise ImplausibleError(f"{cut.name} has no samples of a laser tracker")
     if not np.isfinite(cut.tool).all():
         raise ImplausibleError(f"{cut.name}: tool holds values that are not finite")
+    if not against_nominal:
+        return
     path = rigid_path(model, cut.motor_angle)
     off = float(np.abs(cut.tool - from_rest(path)).max())
     if off > _LARGEST_PATH_ERROR:

@@ -1,6 +1,8 @@
 """`armside reproduce papers`: verdicts from results, and checks of their own form."""
 
+import re
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -110,6 +112,14 @@ def test_papers_are_made_by_their_name_alone():
     assert not seeds & set(DEVELOPMENT)
 
 
+@pytest.mark.parametrize(
+    ("draw", "said"),
+    [(papers.tool, "exact nominal stiffness"), (papers.edge, "less its mean")],
+)
+def test_a_caption_says_what_flatters_its_numbers(draw, said, tmp_path):
+    assert said in drawn(draw, tmp_path)[1].caption
+
+
 def test_what_is_left_of_an_unseen_motion_is_judged(tmp_path):
     checks, _ = drawn(papers.edge, tmp_path)
     assert {id: round(check.ours, 9) for id, check in checks.items()} == {
@@ -124,6 +134,15 @@ def test_what_is_left_of_an_unseen_motion_is_judged(tmp_path):
     checks, _ = drawn(papers.speeds, tmp_path, left=0.6)
     assert checks["N1"].ours == pytest.approx(0.8 / 1.2)
     assert not checks["N1"].holds
+
+
+@pytest.mark.parametrize(
+    ("twin", "step", "share"),
+    [(1.3, 1.0, 0.7), (2.7, 1.0, -0.7), (1.3, 3.0, 0.0), (1.3, 1.99, 0.0), (2.0, 2.0, 0.0)],
+)
+def test_a_twin_that_is_worse_or_a_step_that_does_nothing_has_no_share(twin, step, share):
+    run = {"basic": np.array([2.0]), "twin": np.array([twin]), "step": np.array([step])}
+    assert papers.step_share(run) == pytest.approx([share])
 
 
 def test_checks_are_printed_with_the_number_of_the_paper(tmp_path, monkeypatch):
@@ -147,6 +166,14 @@ ASKED = (
     *("T1-two-stage-motor", "T1-two-stage-load", "T2-smoother", "T2-doubled", "T2-online"),
     *("L1", "N1"),
 )
+
+
+@pytest.mark.parametrize("heading", ["The law of the paper", "T2: the tool", "L1 and N1"])
+def test_figures_of_development_have_no_verdict(heading):
+    page = (Path(__file__).parents[2] / "docs" / "papers.md").read_text(encoding="utf-8")
+    section = re.split(r"^##+ ", page.split(f"# {heading}")[1], flags=re.MULTILINE)[0]
+    assert "individual 0, **not judged yet**" in section
+    assert not re.search(r"\bholds?\b|\*\*does not", section)
 
 
 def test_each_comparison_is_named(capsys):

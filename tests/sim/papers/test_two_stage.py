@@ -1,5 +1,7 @@
 """Two-stage learning on an arm: its gains, its torque, and the finding of the paper."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from armside.sim.laser.strokes import Strokes, robot_of
 from armside.sim.papers.two_stage import (
     TwoStageJob,
     TwoStageLaw,
+    TwoStageOutput,
     TwoStagePlant,
     assumed,
     first_input,
@@ -24,13 +27,35 @@ def test_gains_start_and_adapt_as_printed():
     zero, e = np.zeros((n, 2)), np.hstack([1e-3 * wave, wave])
     learned, gains = law.step(zero, e, None)
     np.testing.assert_allclose(gains.torque, 1.0)
-    np.testing.assert_allclose(learned[:, :1], 0.2 * law.smooth(law.smooth(e[:, :1])))
+    np.testing.assert_allclose(learned[:, :1], 0.2 * law.smooth(e[:, :1]))
     np.testing.assert_allclose(learned[:, 1:], law.smooth(e[:, 1:]))
     for growth, expected in ((0.5, 0.2), (1.1, 0.6), (2.0, 1.0)):
         learned, now = law.step(zero, e * [0.25, growth], gains)
         np.testing.assert_allclose(now.torque, expected)
         g_r = (1.0 - 0.8 * expected) * 0.5  # twice the largest error over the first
-        np.testing.assert_allclose(learned[:, :1], g_r * 0.25 * law.smooth(law.smooth(e[:, :1])))
+        np.testing.assert_allclose(learned[:, :1], g_r * 0.25 * law.smooth(e[:, :1]))
+
+
+def test_an_error_that_stays_zero_gives_finite_gains_and_one_that_appears_full_torque():
+    law, n = TwoStageLaw("motor", (AXIS,)), 1000
+    wave = np.hstack([np.zeros((n, 1)), np.sin(np.linspace(0.0, 40.0, n))[:, None]])
+    zero = 0.0 * wave
+    _, gains = law.step(zero, zero, None)
+    for error, expected in ((zero, 0.2), (wave, 1.0)):
+        learned, now = law.step(zero, error, gains)
+        np.testing.assert_allclose(now.torque, expected)
+        assert np.isfinite(learned).all()
+
+
+def test_the_torque_of_an_output_is_not_filtered_before_the_law_does(experiment):
+    output = TwoStageOutput("motor", experiment, first_input(experiment))
+    plant = TwoStagePlant(experiment, first_input(experiment).motor)
+    n, axes = experiment.loaded.reference.shape
+    run = plant.run(np.zeros((n, 2 * axes)))
+    spiked = np.zeros((n, axes))
+    spiked[n // 2] = 1.0
+    plain, other = (output(replace(run, feedback=run.feedback + by * spiked)) for by in (0, 1))
+    np.testing.assert_allclose((plain - other)[:, axes:], spiked, atol=1e-9)
 
 
 def test_a_law_needs_reference_and_torque_of_each_axis():

@@ -79,3 +79,12 @@ def test_a_heavy_tool_that_bends_far_is_commissioned_only_unchecked(monkeypatch)
         commission([cut], payload=PAYLOAD)
     with pytest.raises(IdentifiedError):
         commission([cut], payload=PAYLOAD, checked=False)
+    still = np.zeros_like(cut.reference) + cut.reference[0]
+    for changed, said in (
+        ({"motor_torque": cut.motor_torque * np.nan}, "motor_torque holds values that are not fin"),
+        ({"tool": cut.tool * np.nan}, "tool holds values that are not finite"),
+        ({"reference": still}, "the reference never moves"),
+        ({"motor_torque": 200.0 * cut.motor_torque}, "it must be in N m of the motor"),
+    ):
+        with pytest.raises(ImplausibleError, match=said):
+            commission([replace(cut, **changed)], payload=PAYLOAD, checked=False)
