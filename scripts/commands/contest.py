@@ -1,6 +1,6 @@
 """`armside contest`: entries of learning control on sealed tasks, judged and ranked."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -79,6 +79,11 @@ def contest(
     done(action, files, cfg, report)
 
 
+def _summary(cfg: ContestOptions, report: Report, **results: Any) -> dict[str, Any]:
+    """Without the salt, which is published when the round ends and not by a summary."""
+    return summary("contest", replace(cfg, salt=None), report.common, **results)
+
+
 def _play(action: str, files: tuple[Path, ...], cfg: ContestOptions, report: Report) -> None:
     from armside.sim.contest.judge import judged
     from armside.sim.contest.tracks import track
@@ -126,7 +131,7 @@ def _check(_: str, files: tuple[Path, ...], cfg: ContestOptions, report: Report)
         round, result = cfg.judged_round, read_result(files[0])
         source = check_file(cfg.entry).read_text(encoding="utf-8")
     wrong = list(checked(result, source, round))
-    report.kept(summary("contest", cfg, report.common, wrong=wrong), *wrong)
+    report.kept(_summary(cfg, report, wrong=wrong), *wrong)
     if wrong:
         raise RunFailed(f"{files[0]} does not come out the same: {wrong[0]}")
     report.lines([f"{files[0]}: a random tenth of {len(result['tasks'])} tasks comes out the same"])
@@ -141,7 +146,7 @@ def _new_round(_: str, files: tuple[Path, ...], cfg: ContestOptions, report: Rep
         cfg.into.mkdir(parents=True, exist_ok=True)
         made = new_round(files[0].name, cfg.into)
     kept = f"{cfg.into / made.name}.json is to be published, {made.name}.salt kept until the end"
-    report.kept(summary("contest", cfg, report.common, salt_sha256=made.digest), kept)
+    report.kept(_summary(cfg, report, salt_sha256=made.digest), kept)
 
 
 COLUMNS = ["entry", "rank", "left", "95 %", "", "harm", "worst", "lost", "runs", "s a task"]
@@ -158,7 +163,7 @@ def _show(results: list[dict[str, Any]], cfg: ContestOptions, report: Report) ->
     with checking_input():
         tables = {name: table(group) for name, group in groups.items()}
     shown = [{"name": name, "tasks": n, "standings": rows} for name, (rows, n) in tables.items()]
-    found = summary("contest", cfg, report.common, tables=shown)
+    found = _summary(cfg, report, tables=shown)
     if report.common.out is not None:
         from ..figures.contest import draw
 

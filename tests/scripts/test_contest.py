@@ -66,6 +66,15 @@ def test_a_round_is_sealed_judged_ranked_and_checked(capsys):
     assert "does not come out the same" in capsys.readouterr().err
 
 
+def test_no_summary_holds_the_salt(capsys):
+    assert cli.main(["contest", "new-round", "2026-a"]) == 0
+    salt = Path("contest/2026-a.salt").read_text().strip()
+    sealed = ["--round", "contest/2026-a.json", "--salt", salt, "--tasks", "1", "--json"]
+    assert cli.main(["contest", "judge", NOTHING, *sealed, "--out", "o"]) == 0
+    assert salt not in Path("o/summary.json").read_text()
+    assert salt not in "".join(capsys.readouterr())
+
+
 def test_every_entry_is_in_the_table_of_the_rules():
     text = (ENTRIES.parents[1] / "contest.md").read_text()
     assert {f.stem for f in ENTRIES.glob("*.py")} <= set(
