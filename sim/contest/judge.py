@@ -30,13 +30,12 @@ SMALLEST = 1e-4
 """The least that counts."""
 SAME = 1e-6
 """Relative difference up to which a task comes out the same on another machine."""
-ISOLATED = frozenset(("file system", "processes", "network"))
-"""What the process of an entry must have left for a judged round."""
 Row = dict[str, Any]
 
 
 def play(source: str, task: Task, track: Track, entry: EntryProcess) -> Row:
-    """One task: left, curve (of each run), harm, runs, seconds of the entry; reason of a loss."""
+    """One task: left, curve (of each run), harm, runs, seconds of the entry; reason of a loss, in a
+    judged round of a fixed list: its own words could carry the task out."""
     N, n = task.given["reference"].shape
     plain, errors = task.plain(), list[float]()
     took, correction, reason = 0.0, np.zeros((N, n)), ""
@@ -50,14 +49,14 @@ def play(source: str, task: Task, track: Track, entry: EntryProcess) -> Row:
             if found is None:
                 break
             if beyond := task.limits.exceeded(found):
-                raise EntryError(f"run {k} is beyond the robot's limits: {beyond}")
+                raise EntryError("beyond limits", f"run {k} is beyond the robot's limits: {beyond}")
             correction = found
             records, error = task.run(k, correction.copy())
             errors.append(error)
             call, of = "update", records
         entry.end()
     except EntryError as lost:
-        reason = str(lost)
+        reason = lost.kind if entry.judged else str(lost)
         entry.close()
     runs = len(errors)
     if not reason:  # one that returns nothing at first is left without correction
@@ -66,7 +65,7 @@ def play(source: str, task: Task, track: Track, entry: EntryProcess) -> Row:
     each = np.array(errors)
     curve = each / (plain[: len(each)] if len(plain) > 1 else plain[0])
     if not (reason or np.isfinite(curve).all()):
-        reason = "a run of the robot is not finite"
+        reason = "not finite" if entry.judged else "a run of the robot is not finite"
     left = LARGEST if reason else track.left(each, plain)
     return {
         "left": float(np.clip(left, SMALLEST, LARGEST)),
@@ -109,13 +108,10 @@ def judged(
             raise InputError(f"{file} is the result of something else: {named}")
         result["tasks"] = before["tasks"]
     done = {row["index"] for row in result["tasks"]}
-    with EntryProcess() as process:
+    with EntryProcess(judged=round.judged) as process:
         for index in range(tasks):
             if index not in done:
                 row = play(source, of.draw(round, index), of, process)
-                if round.judged and not set(row["isolation"]) >= ISOLATED:
-                    needed = "a system that grants namespaces and mounts"
-                    raise InputError(f"a judged round needs {needed}")
                 result["tasks"].append({"index": index} | row)
                 result["tasks"].sort(key=lambda row: row["index"])
                 _write(file, result)
@@ -172,7 +168,7 @@ def checked(result: Row, source: str, round: Round) -> Iterator[str]:
         yield f"it is of other code, of armside {result['versions']['armside']}"
     of = track_of(result["track"])
     for row in tenth(result["tasks"]):
-        with EntryProcess() as process:
+        with EntryProcess(judged=round.judged) as process:
             again = play(source, of.draw(round, row["index"]), of, process)
         if bool(again["reason"]) != bool(row["reason"]) or not np.isclose(
             again["left"], row["left"], rtol=SAME, atol=0.0

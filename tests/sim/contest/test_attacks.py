@@ -220,6 +220,24 @@ def test_an_entry_remembers_nothing_of_the_task_before(process):
     assert reason(process, LEFT_BEHIND) is None
 
 
+FORGED = """
+import os, stat, time
+from armside.sim.contest.frames import packed
+class Entry:
+    def start(self, task):
+        for fd in range(3, 64):
+            try:
+                os.write(fd, packed({"raised": "x" * 1000000}))
+            except OSError:
+                pass
+        time.sleep(9)
+"""
+
+
+def test_a_forged_reason_of_a_megabyte_is_cut(process):
+    assert reason(process, FORGED) == "x" * 300
+
+
 CARRYING = """
 import os, stat, time
 import numpy as np

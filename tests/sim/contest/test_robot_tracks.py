@@ -83,7 +83,7 @@ def test_the_score_of_drift_is_the_rms_over_all_runs():
 class Silent:
     """Stands for an entry's process that answers zeros, and then stops."""
 
-    isolation = ()
+    isolation, judged = (), False
 
     def load(self, source):
         self.calls = 0
