@@ -108,7 +108,7 @@ def test_an_entry_at_fault_loses_that_task_alone(body, why):
 
 def test_a_process_that_does_not_start_is_no_fault_of_the_entry(tmp_path, monkeypatch):
     monkeypatch.setattr(worker, "__file__", str(tmp_path / "none.py"))
-    with EntryProcess() as process, pytest.raises(InputError, match="does not start .*python"):
+    with EntryProcess() as process, pytest.raises(InputError, match=r"does not start .*python"):
         play(ENTRY, draw(Round(), 0), SHORT, process)
 
 
