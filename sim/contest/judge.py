@@ -23,6 +23,8 @@ from .seal import Round
 from .task import Task, Track
 from .tracks import track as track_of
 
+LARGEST_ENTRY = 1 << 20
+"""[bytes], of an entry's file."""
 SCHEMA = "armside-contest-1"
 LARGEST = 10.0
 """Left of a lost task, and the most that counts of any other."""
@@ -75,6 +77,12 @@ def play(source: str, task: Task, track: Track, entry: EntryProcess) -> Row:
     }
 
 
+def source_of(entry: Path) -> str:
+    """Text of an entry's file. Raises InputError where it is no UTF-8, or larger than allowed."""
+    with reading(check_file(entry, LARGEST_ENTRY)):
+        return entry.read_text(encoding="utf-8")
+
+
 def digest(source: str) -> str:
     """SHA-256 of an entry's file."""
     return hashlib.sha256(source.encode()).hexdigest()
@@ -100,7 +108,7 @@ def judged(
     Raises InputError where the file is of something else, or the entry cannot be isolated in a
     judged round.
     """
-    source = check_file(entry).read_text(encoding="utf-8")
+    source = source_of(entry)
     result, of = begun(entry.stem, source, track, round), track_of(track)
     if file.exists():
         before = read_result(file)
@@ -131,8 +139,8 @@ def begun(name: str, source: str, track: str, round: Round) -> Row:
 
 
 def identity(result: Row) -> tuple[str, ...]:
-    """What a result is of; another version of armside makes another result."""
-    names = ("schema", "track", "round", "salt_sha256", "code")
+    """What a result is of, its entry last; other code or versions make another result."""
+    names = ("schema", "track", "round", "salt_sha256", "code", "versions")
     return *(str(result[name]) for name in names), str(result["entry"]["sha256"])
 
 
@@ -143,7 +151,11 @@ def read_result(file: Path) -> Row:
         if found["schema"] != SCHEMA:
             raise InputError(f"{file} has the schema {found['schema']!r}, not {SCHEMA}")
         for row in found["tasks"]:
-            if not (isinstance(row["index"], int) and 0.0 < row["left"] <= LARGEST):
+            if not (
+                isinstance(row["index"], int)
+                and 0.0 < row["left"] <= LARGEST
+                and {*COMPARED, "seconds", "reason"} <= row.keys()
+            ):
                 raise InputError(f"{file} has a task that is none: {row}")
         identity(found)
     return found
@@ -155,9 +167,18 @@ def _write(file: Path, result: Row) -> None:
     os.replace(partial, file)
 
 
-def checked(result: Row, source: str, round: Round) -> Iterator[str]:
-    """What is wrong with a result, a line each: schema, entry, versions, and a random tenth of its
-    tasks played again."""
+def gaps(result: Row, tasks: int) -> str:
+    """What keeps a result from having the tasks 0 .. `tasks` - 1 once each; empty for nothing."""
+    found = [row["index"] for row in result["tasks"]]
+    if tasks < 1 or found != list(range(tasks)):
+        lacking = len(set(range(tasks)) - {*found})
+        return f"it has {len(found)} tasks and lacks {lacking} of 0 to {tasks - 1}"
+    return ""
+
+
+def checked(result: Row, source: str, round: Round, tasks: int) -> Iterator[str]:
+    """What is wrong with a result, a line each: entry, round, code, the tasks that it must have,
+    and a random tenth of them played again."""
     if result["entry"]["sha256"] != digest(source):
         yield "the entry's file is another one: its SHA-256 differs"
         return
@@ -166,17 +187,25 @@ def checked(result: Row, source: str, round: Round) -> Iterator[str]:
         return
     if result["code"] != code():
         yield f"it is of other code, of armside {result['versions']['armside']}"
+    if lacking := gaps(result, tasks):
+        yield lacking
+        return
     of = track_of(result["track"])
     for row in tenth(result["tasks"]):
         with EntryProcess(judged=round.judged) as process:
             again = play(source, of.draw(round, row["index"]), of, process)
-        if bool(again["reason"]) != bool(row["reason"]) or not np.isclose(
-            again["left"], row["left"], rtol=SAME, atol=0.0
-        ):
-            yield (
-                f"task {row['index']} leaves {again['left']:.6g}, not {row['left']:.6g} "
-                f"{again['reason']}"
-            ).rstrip()
+        if wrong := [name for name in COMPARED if not _same(again[name], row[name])]:
+            first = wrong[0]
+            said = f"task {row['index']}: {first} is {again[first]}, not {row[first]}"
+            yield f"{said} {again['reason']}".rstrip()
+
+
+COMPARED = ("left", "harm", "runs", "curve")
+"""Of a task that is played again; seconds differ, and reasons are words."""
+
+
+def _same(one: Any, other: Any) -> bool:
+    return np.shape(one) == np.shape(other) and np.allclose(one, other, rtol=SAME, atol=0.0)
 
 
 def tenth(tasks: Sequence[Row]) -> list[Row]:

@@ -21,6 +21,8 @@ REFUSED = {
     f"judge {NOTHING} --round a.json": "is sealed: judging it needs --salt",
     "table": "there is no result in contest",
     "table empty.json": "empty.json lacks the entry 'schema'",
+    "run latin.py": "latin.py cannot be read: 'utf-8' codec",
+    "run large.py": "large.py has 1.049 MB; at most 1.049 MB are read",
     "check": "one result and --entry",
     "new-round": "needs one name",
     "new-round development": "is public",
@@ -34,6 +36,8 @@ REFUSED = {
 def elsewhere(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "empty.json").write_text("{}")
+    (tmp_path / "latin.py").write_bytes("# Größe".encode("latin-1"))
+    (tmp_path / "large.py").write_text("#" * ((1 << 20) + 1))
 
 
 @pytest.mark.parametrize("words", REFUSED)
@@ -56,7 +60,7 @@ def test_a_round_is_sealed_judged_ranked_and_checked(capsys):
     assert cli.main(["contest", "table", "--out", "t", "--quiet"]) == 0
     assert {f.name for f in Path("t").iterdir()} == {"summary.json", "joint-2026-a.png"}
     result = Path("contest/nothing-joint-2026-a.json")
-    check = ["contest", "check", str(result), "--entry", NOTHING, *sealed]
+    check = ["contest", "check", str(result), "--entry", NOTHING, "--tasks", "2", *sealed]
     assert cli.main(check) == 0
     found = json.loads(result.read_text())
     for row in found["tasks"]:

@@ -141,7 +141,7 @@ def test_a_judged_round_without_isolation_runs_nothing_of_an_entry(again, tmp_pa
     result["tasks"] = [{"index": 0, "left": 1.0}]
     ways = {
         False: lambda: judged(file, entry, "joint", SEALED, 1, lambda: None),
-        True: lambda: list(checked(result, entry.read_text(), SEALED)),
+        True: lambda: list(checked(result, entry.read_text(), SEALED, 1)),
     }
     with pytest.raises(InputError, match="a judged round needs a system that grants namespaces"):
         ways[again]()
@@ -186,15 +186,35 @@ def test_a_result_is_gone_on_from_and_checked(tmp_path):
     assert before == after[:2]
     assert [row["index"] for row in after] == [0, 1, 2]
     assert len(steps) == 5
-    result = read_result(file)
-    assert list(checked(result, entry.read_text(), SEALED)) == []
-    for row in result["tasks"]:
-        row["left"] = 0.5
-    assert "leaves" in next(checked(result, entry.read_text(), SEALED))
-    assert "another one" in next(checked(result, "class Entry: pass", SEALED))
+    result, source = read_result(file), entry.read_text()
+    assert list(checked(result, source, SEALED, 3)) == []
+    assert "another one" in next(checked(result, "class Entry: pass", SEALED, 3))
+    file.write_text(file.read_text().replace('"numpy": "', '"numpy": "0.'))
+    with pytest.raises(InputError, match="something else"):
+        judged(file, entry, "joint", SEALED, 3, lambda: None)
     entry.write_text(ENTRY.format(body="return 0"))
     with pytest.raises(InputError, match="something else"):
         judged(file, entry, "joint", SEALED, 3, lambda: None)
+
+
+CHANGED = {
+    "left": 0.5,
+    "harm": True,
+    "runs": 2,
+    "curve": [0.5],
+}
+
+
+def test_a_result_that_lacks_a_task_or_says_other_than_its_replay_is_found(tmp_path):
+    entry, file = tmp_path / "e.py", tmp_path / "e.json"
+    entry.write_text(ENTRY.format(body="return None"))
+    result, source = judged(file, entry, "joint", SEALED, 2, lambda: None), entry.read_text()
+    for name, value in CHANGED.items():
+        forged = result | {"tasks": [row | {name: value} for row in result["tasks"]]}
+        assert f"{name} is " in next(checked(forged, source, SEALED, 2))
+    for kept in (result["tasks"][:1], result["tasks"][1:], []):
+        assert "lacks" in next(checked(result | {"tasks": kept}, source, SEALED, 2))
+    assert "lacks" in next(checked(result, source, SEALED, 3))
 
 
 def test_tracks_are_those_of_the_rules():
