@@ -191,7 +191,7 @@ def _read(pipe: int, count: int) -> bytes:
     return bytes(parts)
 
 
-def _write(pipe: int, data: bytes) -> None:
+def _write(pipe: int, data: bytes | bytearray) -> None:
     frame = memoryview(data)
     while len(frame):
         frame = frame[os.write(pipe, frame) :]

@@ -4,8 +4,8 @@ Each seed is ten tasks of both rounds, whose salts are the SHA-256 of a word eac
 so these rounds are judged by a claim and not by anybody's honesty. All settings of the entries were
 chosen on the public tasks 1000 to 1005 of the joint. The first three tasks of a round claim-1 were
 played while this was written, so it judges no longer. claim-2 was replaced in the same change: that
-none of its tasks had been played is not on record, so it counts as seen. `contest-robot` has fewer tasks on the other
-tracks. The cheat knows the public tasks 0 to 99, which are played too.
+none of its tasks had been played is not on record, so it counts as seen. `contest-robot`
+has fewer tasks on the other tracks. The cheat knows the public tasks 0 to 99, which are played too.
 """
 
 import hashlib
