@@ -1,12 +1,11 @@
 """`armside contest`: entries of learning control on sealed tasks, judged and ranked."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from armside.sim.records.files import check_file
 from armside.sim.records.run_folder import check_shared_folder
 from armside.sim.records.summary import summary
 
@@ -33,7 +32,7 @@ class ContestOptions:
     track: TrackName = "joint"
     """Track."""
     tasks: Count = 100
-    """Number of tasks, from the first on."""
+    """Number of tasks, from the first on; with `check`, that the result must have."""
     round: str = "development"
     """`development`, or the file NAME.json of a round."""
     salt: str | None = None
@@ -79,8 +78,13 @@ def contest(
     done(action, files, cfg, report)
 
 
+def _summary(cfg: ContestOptions, report: Report, **results: Any) -> dict[str, Any]:
+    """Without the salt, which is published when the round ends and not by a summary."""
+    return summary("contest", replace(cfg, salt=None), report.common, **results)
+
+
 def _play(action: str, files: tuple[Path, ...], cfg: ContestOptions, report: Report) -> None:
-    from armside.sim.contest.judge import judged
+    from armside.sim.contest.judge import judged, source_of
     from armside.sim.contest.tracks import track
 
     with checking_input():
@@ -91,7 +95,7 @@ def _play(action: str, files: tuple[Path, ...], cfg: ContestOptions, report: Rep
         if not files:
             raise InputError(f"contest {action} needs the file of an entry")
         for file in files:
-            check_file(file)
+            source_of(file)
         check_shared_folder(cfg.into)
     cfg.into.mkdir(parents=True, exist_ok=True)
     results = list[dict[str, Any]]()
@@ -118,15 +122,15 @@ def _results(folder: Path) -> list[Path]:
 
 
 def _check(_: str, files: tuple[Path, ...], cfg: ContestOptions, report: Report) -> None:
-    from armside.sim.contest.judge import checked, read_result
+    from armside.sim.contest.judge import checked, read_result, source_of
 
     with checking_input():
         if len(files) != 1 or cfg.entry is None:
             raise InputError("contest check needs one result and --entry with the entry's file")
         round, result = cfg.judged_round, read_result(files[0])
-        source = check_file(cfg.entry).read_text(encoding="utf-8")
-    wrong = list(checked(result, source, round))
-    report.kept(summary("contest", cfg, report.common, wrong=wrong), *wrong)
+        source = source_of(cfg.entry)
+    wrong = list(checked(result, source, round, cfg.tasks))
+    report.kept(_summary(cfg, report, wrong=wrong), *wrong)
     if wrong:
         raise RunFailed(f"{files[0]} does not come out the same: {wrong[0]}")
     report.lines([f"{files[0]}: a random tenth of {len(result['tasks'])} tasks comes out the same"])
@@ -141,14 +145,14 @@ def _new_round(_: str, files: tuple[Path, ...], cfg: ContestOptions, report: Rep
         cfg.into.mkdir(parents=True, exist_ok=True)
         made = new_round(files[0].name, cfg.into)
     kept = f"{cfg.into / made.name}.json is to be published, {made.name}.salt kept until the end"
-    report.kept(summary("contest", cfg, report.common, salt_sha256=made.digest), kept)
+    report.kept(_summary(cfg, report, salt_sha256=made.digest), kept)
 
 
 COLUMNS = ["entry", "rank", "left", "95 %", "", "harm", "worst", "lost", "runs", "s a task"]
 
 
 def _show(results: list[dict[str, Any]], cfg: ContestOptions, report: Report) -> None:
-    """A table for each track and round, on the tasks that all its results have."""
+    """A table for each track and round."""
     from armside.sim.contest.table import table
     from armside.sim.contest.tracks import track
 
@@ -158,7 +162,7 @@ def _show(results: list[dict[str, Any]], cfg: ContestOptions, report: Report) ->
     with checking_input():
         tables = {name: table(group) for name, group in groups.items()}
     shown = [{"name": name, "tasks": n, "standings": rows} for name, (rows, n) in tables.items()]
-    found = summary("contest", cfg, report.common, tables=shown)
+    found = _summary(cfg, report, tables=shown)
     if report.common.out is not None:
         from ..figures.contest import draw
 

@@ -10,21 +10,21 @@ import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 import armside
 from armside.kinematics.cache import cache_folder, loaded_files
 
+from ..records.files import InputError
 from . import worker
-from .frames import LONGEST_TEXT, FrameError, packed, unpacked
+from .frames import CHUNK, LONGEST_TEXT, FrameError, packed, unpacked
 
 MEMORY = 4 << 30
 """[bytes] of address space that an entry has."""
 STARTING = 60.0
 """[s], for Python to start and for the entry's file to be read."""
-CHUNK = 1 << 20
 LIBRARIES = ("site-packages", "dist-packages")
 """Names of the folders of libraries; no other folder of the machine is seen."""
 PRELOADED = [
@@ -34,8 +34,22 @@ PRELOADED = [
 """Modules that entries find loaded, which would take each most of a second."""
 
 
+ISOLATED = frozenset(("file system", "processes", "network"))
+"""What the process of an entry must have left for a judged round."""
+Kind = Literal["raised", "hung", "wrong shape", "not finite", "beyond limits", "ended"]
+LONGEST_REASON = 300
+"""Characters."""
+
+
 class EntryError(RuntimeError):
-    """An entry that raised, hung, ended or answered nonsense: the reason why a task is lost."""
+    """An entry that raised, hung, ended or answered nonsense: the reason why a task is lost.
+
+    Its text may hold what the entry knows; its kind does not.
+    """
+
+    def __init__(self, kind: Kind, text: str) -> None:
+        super().__init__(text[:LONGEST_REASON])
+        self.kind: Kind = kind
 
 
 class EntryProcess:
@@ -44,10 +58,11 @@ class EntryProcess:
     Each entry is loaded in a fork of its own. After one that is at fault a new process is begun.
     """
 
-    def __init__(self, *, isolate: bool = True) -> None:
-        """isolate: False leaves it in the machine's file system, as systems do that allow nothing
+    def __init__(self, *, judged: bool = False, isolate: bool = True) -> None:
+        """judged: refuse to run an entry that is not isolated, and give no reason in its words.
+        isolate: False leaves it in the machine's file system, as systems do that allow nothing
         else."""
-        self.isolate, self.isolation = isolate, list[str]()
+        self.judged, self.isolate, self.isolation = judged, isolate, list[str]()
         self._process: subprocess.Popen[bytes] | None = None
 
     def __enter__(self) -> "EntryProcess":
@@ -57,7 +72,11 @@ class EntryProcess:
         self.close()
 
     def load(self, source: str, name: str = "entry.py") -> None:
-        """Begin with the text of an entry's file. Raises EntryError where it cannot be run."""
+        """Begin with the text of an entry's file.
+
+        Raises EntryError where it cannot be run; InputError, before any of it has run, where the
+        process cannot be begun or is not as isolated as a judged round needs.
+        """
         if self._process is None:
             self._begin()
         self._ask({"source": source, "name": name}, STARTING, 0)
@@ -99,8 +118,16 @@ class EntryProcess:
         self._out, self._in = self._process.stdin.fileno(), self._process.stdout.fileno()
         for stream in (self._out, self._in):
             os.set_blocking(stream, False)
-        found = self._answer(time.monotonic() + STARTING, 0)
+        try:
+            found = self._answer(time.monotonic() + STARTING, 0)
+        except EntryError as error:
+            self.close()
+            raise InputError(f"the process of entries does not start ({python}): {error}") from None
         self.isolation = [str(one) for one in found["isolation"]]
+        if self.judged and (lacking := ISOLATED - {*self.isolation}):
+            self.close()
+            needed = "a judged round needs a system that grants namespaces and mounts"
+            raise InputError(f"{needed}; not left: {', '.join(sorted(lacking))}")
 
     def call(
         self, name: str, of: dict[str, Any], shape: tuple[int, int], seconds: float
@@ -114,11 +141,13 @@ class EntryProcess:
             return None
         correction = found.get("correction")
         if not isinstance(correction, np.ndarray):
-            raise EntryError(f"{name} answered no correction")
+            raise EntryError("wrong shape", f"{name} answered no correction")
         if correction.shape != shape:
-            raise EntryError(f"{name} returned the shape {correction.shape}, not {shape}")
+            raise EntryError(
+                "wrong shape", f"{name} returned the shape {correction.shape}, not {shape}"
+            )
         if not np.isfinite(correction).all():
-            raise EntryError(f"{name} returned a correction that is not finite")
+            raise EntryError("not finite", f"{name} returned a correction that is not finite")
         return correction
 
     def _ask(self, call: dict[str, Any], seconds: float, most: int) -> dict[str, Any]:
@@ -129,12 +158,12 @@ class EntryProcess:
             try:
                 frame = frame[os.write(self._out, frame[:CHUNK]) :]
             except BrokenPipeError:
-                raise EntryError("the process ended") from None
+                raise EntryError("ended", "the process ended") from None
         found = self._answer(until, most)
         if "ended" in found and "end" not in call:
-            raise EntryError("the process ended")
+            raise EntryError("ended", "the process ended")
         if "raised" in found:
-            raise EntryError(" ".join(str(found["raised"]).split()))
+            raise EntryError("raised", " ".join(str(found["raised"]).split()))
         return found
 
     def _answer(self, until: float, most: int) -> dict[str, Any]:
@@ -144,16 +173,16 @@ class EntryProcess:
                 self._wait(self._in, selectors.EVENT_READ, until)
                 part = os.read(self._in, min(count - len(parts), CHUNK))
                 if not part:
-                    raise EntryError("the process ended")
+                    raise EntryError("ended", "the process ended")
                 parts += part
             return bytes(parts)
 
         try:
             found = unpacked(read, most + LONGEST_TEXT)
         except FrameError as error:
-            raise EntryError(str(error)) from error
+            raise EntryError("wrong shape", str(error)) from error
         if not isinstance(found, dict):
-            raise EntryError("an answer that is no frame")
+            raise EntryError("wrong shape", "an answer that is no frame")
         return found
 
     def _wait(self, stream: int, event: int, until: float) -> None:
@@ -161,7 +190,7 @@ class EntryProcess:
             selector.register(stream, event)
             left = until - time.monotonic()
             if left <= 0.0 or not selector.select(left):
-                raise EntryError("no answer in time")
+                raise EntryError("hung", "no answer in time")
 
     def close(self) -> None:
         """Kill the entry and whatever it has started."""

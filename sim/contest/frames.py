@@ -16,6 +16,8 @@ MAGIC = b"ACF1"
 HEAD = struct.Struct("<4sIQ")
 LONGEST_TEXT = 1 << 20
 """[bytes], of the text of a frame."""
+CHUNK = 1 << 20
+"""[bytes] that are handed on at once."""
 
 
 class FrameError(ValueError):
@@ -41,15 +43,28 @@ def packed(value: Any) -> bytes:
     return HEAD.pack(MAGIC, len(text), len(data)) + text + data
 
 
-def unpacked(read: Callable[[int], bytes], most: int) -> Any:
-    """The value of the next frame, with arrays of at most `most` bytes together.
+def relayed(read: Callable[[int], bytes], write: Callable[[bytes], None]) -> None:
+    """Hand the next frame on as it comes; it is for its reader to refuse it."""
+    head = read(HEAD.size)
+    write(head)
+    _, n_text, n_data = HEAD.unpack(head)
+    left = n_text + n_data
+    while left > 0:
+        part = read(min(left, CHUNK))
+        write(part)
+        left -= len(part)
+
+
+def unpacked(read: Callable[[int], bytes], most: int, longest: int = LONGEST_TEXT) -> Any:
+    """The value of the next frame, with arrays of at most `most` bytes together, and a text of at
+    most `longest`.
 
     read: exactly so many bytes. Raises FrameError.
     """
     magic, n_text, n_data = HEAD.unpack(read(HEAD.size))
     if magic != MAGIC:
         raise FrameError("an answer that is no frame")
-    if n_text > LONGEST_TEXT or n_data > most:
+    if n_text > longest or n_data > most:
         raise FrameError(f"an answer of {n_text + n_data} bytes, at most {most} are taken")
     text, data = read(n_text), read(n_data)
     place = 0

@@ -23,6 +23,8 @@ from .seal import Round
 from .task import Task, Track
 from .tracks import track as track_of
 
+LARGEST_ENTRY = 1 << 20
+"""[bytes], of an entry's file."""
 SCHEMA = "armside-contest-1"
 LARGEST = 10.0
 """Left of a lost task, and the most that counts of any other."""
@@ -30,13 +32,12 @@ SMALLEST = 1e-4
 """The least that counts."""
 SAME = 1e-6
 """Relative difference up to which a task comes out the same on another machine."""
-ISOLATED = frozenset(("file system", "processes", "network"))
-"""What the process of an entry must have left for a judged round."""
 Row = dict[str, Any]
 
 
 def play(source: str, task: Task, track: Track, entry: EntryProcess) -> Row:
-    """One task: left, curve (of each run), harm, runs, seconds of the entry; reason of a loss."""
+    """One task: left, curve (of each run), harm, runs, seconds of the entry; reason of a loss, in a
+    judged round of a fixed list: its own words could carry the task out."""
     N, n = task.given["reference"].shape
     plain, errors = task.plain(), list[float]()
     took, correction, reason = 0.0, np.zeros((N, n)), ""
@@ -50,14 +51,14 @@ def play(source: str, task: Task, track: Track, entry: EntryProcess) -> Row:
             if found is None:
                 break
             if beyond := task.limits.exceeded(found):
-                raise EntryError(f"run {k} is beyond the robot's limits: {beyond}")
+                raise EntryError("beyond limits", f"run {k} is beyond the robot's limits: {beyond}")
             correction = found
             records, error = task.run(k, correction.copy())
             errors.append(error)
             call, of = "update", records
         entry.end()
     except EntryError as lost:
-        reason = str(lost)
+        reason = lost.kind if entry.judged else str(lost)
         entry.close()
     runs = len(errors)
     if not reason:  # one that returns nothing at first is left without correction
@@ -66,7 +67,7 @@ def play(source: str, task: Task, track: Track, entry: EntryProcess) -> Row:
     each = np.array(errors)
     curve = each / (plain[: len(each)] if len(plain) > 1 else plain[0])
     if not (reason or np.isfinite(curve).all()):
-        reason = "a run of the robot is not finite"
+        reason = "not finite" if entry.judged else "a run of the robot is not finite"
     left = LARGEST if reason else track.left(each, plain)
     return {
         "left": float(np.clip(left, SMALLEST, LARGEST)),
@@ -74,6 +75,12 @@ def play(source: str, task: Task, track: Track, entry: EntryProcess) -> Row:
         "harm": bool(reason) or bool((curve > GROWTH).any()),
         **{"runs": runs, "seconds": took, "reason": reason, "isolation": entry.isolation},
     }
+
+
+def source_of(entry: Path) -> str:
+    """Text of an entry's file. Raises InputError where it is no UTF-8, or larger than allowed."""
+    with reading(check_file(entry, LARGEST_ENTRY)):
+        return entry.read_text(encoding="utf-8")
 
 
 def digest(source: str) -> str:
@@ -101,7 +108,7 @@ def judged(
     Raises InputError where the file is of something else, or the entry cannot be isolated in a
     judged round.
     """
-    source = check_file(entry).read_text(encoding="utf-8")
+    source = source_of(entry)
     result, of = begun(entry.stem, source, track, round), track_of(track)
     if file.exists():
         before = read_result(file)
@@ -109,13 +116,10 @@ def judged(
             raise InputError(f"{file} is the result of something else: {named}")
         result["tasks"] = before["tasks"]
     done = {row["index"] for row in result["tasks"]}
-    with EntryProcess() as process:
+    with EntryProcess(judged=round.judged) as process:
         for index in range(tasks):
             if index not in done:
                 row = play(source, of.draw(round, index), of, process)
-                if round.judged and not set(row["isolation"]) >= ISOLATED:
-                    needed = "a system that grants namespaces and mounts"
-                    raise InputError(f"a judged round needs {needed}")
                 result["tasks"].append({"index": index} | row)
                 result["tasks"].sort(key=lambda row: row["index"])
                 _write(file, result)
@@ -135,8 +139,8 @@ def begun(name: str, source: str, track: str, round: Round) -> Row:
 
 
 def identity(result: Row) -> tuple[str, ...]:
-    """What a result is of; another version of armside makes another result."""
-    names = ("schema", "track", "round", "salt_sha256", "code")
+    """What a result is of, its entry last; other code or versions make another result."""
+    names = ("schema", "track", "round", "salt_sha256", "code", "versions")
     return *(str(result[name]) for name in names), str(result["entry"]["sha256"])
 
 
@@ -147,7 +151,11 @@ def read_result(file: Path) -> Row:
         if found["schema"] != SCHEMA:
             raise InputError(f"{file} has the schema {found['schema']!r}, not {SCHEMA}")
         for row in found["tasks"]:
-            if not (isinstance(row["index"], int) and 0.0 < row["left"] <= LARGEST):
+            if not (
+                isinstance(row["index"], int)
+                and 0.0 < row["left"] <= LARGEST
+                and {*COMPARED, "seconds", "reason"} <= row.keys()
+            ):
                 raise InputError(f"{file} has a task that is none: {row}")
         identity(found)
     return found
@@ -159,9 +167,18 @@ def _write(file: Path, result: Row) -> None:
     os.replace(partial, file)
 
 
-def checked(result: Row, source: str, round: Round) -> Iterator[str]:
-    """What is wrong with a result, a line each: schema, entry, versions, and a random tenth of its
-    tasks played again."""
+def gaps(result: Row, tasks: int) -> str:
+    """What keeps a result from having the tasks 0 .. `tasks` - 1 once each; empty for nothing."""
+    found = [row["index"] for row in result["tasks"]]
+    if tasks < 1 or found != list(range(tasks)):
+        lacking = len(set(range(tasks)) - {*found})
+        return f"it has {len(found)} tasks and lacks {lacking} of 0 to {tasks - 1}"
+    return ""
+
+
+def checked(result: Row, source: str, round: Round, tasks: int) -> Iterator[str]:
+    """What is wrong with a result, a line each: entry, round, code, the tasks that it must have,
+    and a random tenth of them played again."""
     if result["entry"]["sha256"] != digest(source):
         yield "the entry's file is another one: its SHA-256 differs"
         return
@@ -170,17 +187,25 @@ def checked(result: Row, source: str, round: Round) -> Iterator[str]:
         return
     if result["code"] != code():
         yield f"it is of other code, of armside {result['versions']['armside']}"
+    if lacking := gaps(result, tasks):
+        yield lacking
+        return
     of = track_of(result["track"])
     for row in tenth(result["tasks"]):
-        with EntryProcess() as process:
+        with EntryProcess(judged=round.judged) as process:
             again = play(source, of.draw(round, row["index"]), of, process)
-        if bool(again["reason"]) != bool(row["reason"]) or not np.isclose(
-            again["left"], row["left"], rtol=SAME, atol=0.0
-        ):
-            yield (
-                f"task {row['index']} leaves {again['left']:.6g}, not {row['left']:.6g} "
-                f"{again['reason']}"
-            ).rstrip()
+        if wrong := [name for name in COMPARED if not _same(again[name], row[name])]:
+            first = wrong[0]
+            said = f"task {row['index']}: {first} is {again[first]}, not {row[first]}"
+            yield f"{said} {again['reason']}".rstrip()
+
+
+COMPARED = ("left", "harm", "runs", "curve")
+"""Of a task that is played again; seconds differ, and reasons are words."""
+
+
+def _same(one: Any, other: Any) -> bool:
+    return np.shape(one) == np.shape(other) and np.allclose(one, other, rtol=SAME, atol=0.0)
 
 
 def tenth(tasks: Sequence[Row]) -> list[Row]:

@@ -67,7 +67,7 @@ def _robot(drawn: Drawn) -> DrawnRobot:
     """An individual of a line that is as wide as drawn."""
     by = drawn("widths")
     widths = {f.name: getattr(PRODUCTION, f.name) * by for f in fields(Spread)}
-    return DrawnRobot(int(drawn.rng.integers(2**31)), replace(PRODUCTION, **widths))
+    return DrawnRobot(drawn.key("robot"), replace(PRODUCTION, **widths))
 
 
 def _pose(drawn: Drawn) -> ToolPose:
@@ -157,12 +157,14 @@ def draw(name: str, round: Round, index: int) -> Task:
     """Task of `motor`, `imu` or `tracker`, and of `first`."""
     drawn = Drawn(RANGES, round, name, index)
     nominal, cut = _cut(drawn, imu=name == "imu")
-    seed, own = int(drawn.rng.integers(2**31)), round.key(name, index, "entry") % 2**32
+    seed, own = drawn.key("noise"), drawn.key("entry") % 2**32
     experiment = prepare(cut, seed=seed, nominal=_nominal())
     runs = 1 if name == "first" else RUNS
     given, limits = _given(name, runs, experiment, nominal, own)
     if name == "first":
-        given["commissioning"] = [_recorded(cut, seed + i, c) for i, c in enumerate(plan(MOST))]
+        given["commissioning"] = [
+            _recorded(cut, drawn.key("commissioning", i), c) for i, c in enumerate(plan(MOST))
+        ]
     see = partial(records, imu=name == "imu", tracker=name == "tracker")
     return _task(experiment, given, limits, see)
 
@@ -179,7 +181,7 @@ def draw_drift(round: Round, index: int) -> Task:
     """Task of `drift`: the robot of each run is another."""
     drawn = Drawn(RANGES, round, "drift", index)
     nominal, cut = _cut(drawn)
-    seed, own = int(drawn.rng.integers(2**31)), round.key("drift", index, "entry") % 2**32
+    seed, own = drawn.key("noise"), drawn.key("entry") % 2**32
     steps = [(drawn("friction step"), drawn("payload step")) for _ in range(DRIFT_RUNS)]
     cold, warming = drawn("cold"), drawn("warming")
     base = cut.payload or 0.0
@@ -225,7 +227,7 @@ def draw_part(round: Round, index: int) -> Task:
             cutting=Cutting(speed=drawn.log("speed")),
             payload=drawn("payload"),
         )
-        seed = int(drawn.rng.integers(2**31))
+        seed = drawn.key("noise")
         try:
             experiment = prepare(cut, seed=seed, nominal=_nominal())
         except ValueError:  # out of reach
@@ -239,9 +241,7 @@ def draw_part(round: Round, index: int) -> Task:
             for name, chain in chains.items()
         ],
     }
-    given, limits = _given(
-        "part", RUNS, experiment, nominal, round.key("part", index, "entry") % 2**32
-    )
+    given, limits = _given("part", RUNS, experiment, nominal, drawn.key("entry") % 2**32)
     return _task(experiment, given, limits, partial(records, imu=False, tracker=True))
 
 

@@ -5,32 +5,33 @@ from typing import Any
 
 import numpy as np
 
-from .judge import Row
+from .judge import Row, gaps, identity
 from .ranking import standings
 
 
 def table(results: list[Row]) -> tuple[list[dict[str, Any]], int]:
-    """Rows by rank, on the tasks that all results have, and the number of these.
+    """Rows by rank, and the number of tasks, which all results have.
 
-    Raises ValueError for results of several tracks or rounds, of one entry twice, or without common
-    tasks.
+    Raises ValueError for results of several tracks, rounds, codes or versions, of one entry twice,
+    of other numbers of tasks, or that lack one.
     """
-    if len({(r["track"], r["round"], r["salt_sha256"]) for r in results}) > 1:
-        raise ValueError("results of several tracks or rounds cannot be ranked together")
+    for at, what in enumerate(("schemas", "tracks", "rounds", "salts", "codes", "versions")):
+        if len(found := {identity(r)[at] for r in results}) > 1:
+            raise ValueError(f"results of several {what} cannot be ranked together: {found}")
     names = [r["entry"]["name"] for r in results]
     if twice := [name for name, n in Counter(names).items() if n > 1]:
         raise ValueError(f"there are two results of the entry {twice[0]}")
-    rows = {r["entry"]["name"]: {row["index"]: row for row in r["tasks"]} for r in results}
-    common = sorted(set.intersection(*(set(of) for of in rows.values())))
-    if not common:
-        raise ValueError("the results have no task in common")
-    tasks = {name: [of[i] for i in common] for name, of in rows.items()}
+    count = max(len(r["tasks"]) for r in results)
+    for r in results:
+        if lacking := gaps(r, count):
+            raise ValueError(f"the result of {r['entry']['name']} cannot be ranked: {lacking}")
+    tasks = {r["entry"]["name"]: r["tasks"] for r in results}
     left = {name: np.array([row["left"] for row in of]) for name, of in tasks.items()}
-    found = list[dict[str, Any]]()
+    ranked = list[dict[str, Any]]()
     for one in standings(left):
         of = tasks[one.name]
         why = Counter(row["reason"] for row in of if row["reason"])
-        found.append(
+        ranked.append(
             {
                 **{"entry": one.name, "rank": one.rank, "left": one.score},
                 **{"low": one.low, "high": one.high},
@@ -42,4 +43,4 @@ def table(results: list[Row]) -> tuple[list[dict[str, Any]], int]:
                 "reasons": [reason for reason, _ in why.most_common(3)],
             }
         )
-    return found, len(common)
+    return ranked, count

@@ -81,6 +81,11 @@ class Drawn:
 
     def __init__(self, ranges: Ranges, round: Round, *words: object) -> None:
         self.ranges, self.judged, self.rng = ranges, round.judged, round.rng(*words)
+        self._round, self._words = round, words
+
+    def key(self, *words: object) -> int:
+        """256 bits of the task's own: a seed that cannot be tried out."""
+        return self._round.key(*self._words, *words)
 
     def __call__(self, name: str) -> float:
         """Uniform in the range of a quantity."""

@@ -13,7 +13,9 @@ import shutil
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from importlib import import_module
+from io import BytesIO
 from types import ModuleType, SimpleNamespace
 
 NOBODY = 65534
@@ -136,49 +138,89 @@ def drop(memory: int) -> list[str]:
 def serve(given: int, taken: int, isolation: list[str], preloaded: list[str]) -> None:
     """Say what was given up; then for each entry that is sent fork a process that answers for it.
 
-    What an entry leaves, processes and files, is gone before the next one comes.
+    Only this process has the pipes of the judge. It hands on calls and answers, and neither reads
+    nor runs what is the entry's. Processes and files that an entry leaves are gone before the next.
     """
     for name in preloaded:
         import_module(name)
-    from armside.sim.contest.frames import packed, unpacked
-
-    def read(count: int) -> bytes:
-        parts = bytearray()
-        while len(parts) < count:
-            part = os.read(given, count - len(parts))
-            if not part:
-                os._exit(0)
-            parts += part
-        return bytes(parts)
+    from armside.sim.contest.frames import packed, relayed, unpacked
 
     def answer(value: dict) -> None:
-        frame = memoryview(packed(value))
-        while len(frame):
-            frame = frame[os.write(taken, frame) :]
+        _write(taken, packed(value))
 
     answer({"isolation": isolation})
     _libc.prctl(DUMPABLE, 0, 0, 0, 0)  # the entry's process may not look into this one
+    child, calls, answers = 0, -1, -1
     while True:
-        call = unpacked(read, 1 << 20)
-        if child := os.fork():
-            os.waitpid(child, 0)
-            if os.getpid() == 1:  # of a namespace: elsewhere it would be the machine's processes
-                with suppress(ProcessLookupError):
-                    os.kill(-1, 9)
-            _empty(os.getcwd())
+        frame = bytearray()
+        relayed(partial(_read, given), frame.extend)
+        call = unpacked(BytesIO(frame).read, len(frame), len(frame))
+        if child and ("end" in call or "source" in call):
+            _finish(child, calls, answers)
+            child = 0
+        if "end" in call:
             answer({"ended": True})
             continue
-        _answer_for(call["source"], call["name"], lambda: unpacked(read, 1 << 40), answer)
+        if "source" in call:
+            (asked, calls), (answers, said) = os.pipe(), os.pipe()
+            child = os.fork()
+            if not child:
+                for one in (given, taken, calls, answers):
+                    os.close(one)
+                _answer_for(
+                    *(call["source"], call["name"]),
+                    partial(unpacked, partial(_read, asked), 1 << 40),
+                    lambda value, to=said: _write(to, packed(value)),
+                )
+            os.close(asked)
+            os.close(said)
+        else:
+            with suppress(OSError):  # it has ended
+                _write(calls, frame)
+        relayed(partial(_read, answers), partial(_write, taken))
+
+
+def _read(pipe: int, count: int) -> bytes:
+    """Exactly so many bytes; the end of the other side is that of this process."""
+    parts = bytearray()
+    while len(parts) < count:
+        part = os.read(pipe, count - len(parts))
+        if not part:
+            os._exit(0)
+        parts += part
+    return bytes(parts)
+
+
+def _write(pipe: int, data: bytes | bytearray) -> None:
+    frame = memoryview(data)
+    while len(frame):
+        frame = frame[os.write(pipe, frame) :]
+
+
+def _finish(child: int, *pipes: int) -> None:
+    """Kill an entry, wait for it, and leave nothing of it."""
+    os.kill(child, 9)
+    if os.getpid() == 1:  # of a namespace: elsewhere it would be the machine's processes
+        with suppress(ProcessLookupError):
+            os.kill(-1, 9)
+        with suppress(ChildProcessError):
+            while True:  # it has inherited whatever the entry has started
+                os.waitpid(-1, 0)
+    else:
+        os.waitpid(child, 0)
+    for pipe in pipes:
+        os.close(pipe)
+    _empty(os.getcwd())
 
 
 def _answer_for(source: str, name: str, next_call: Callable, answer: Callable) -> None:
-    """Answer `start` with the task and `update` with the records, until the call `end`."""
+    """Answer `start` with the task and `update` with the records, until it is killed."""
     import numpy as np
 
     entry, module = None, ModuleType("entry")
     sys.modules["entry"] = module
     call = {"load": {}}
-    while "end" not in call:
+    while True:
         try:
             ((method, of),) = call.items()
             if method == "load":
@@ -194,7 +236,6 @@ def _answer_for(source: str, name: str, next_call: Callable, answer: Callable) -
         except BaseException as error:  # an entry may raise anything
             answer({"raised": f"{type(error).__name__}: {error}"[:300]})
         call = next_call()
-    os._exit(0)
 
 
 def _empty(folder: str) -> None:

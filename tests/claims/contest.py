@@ -3,8 +3,9 @@
 Each seed is ten tasks of both rounds, whose salts are the SHA-256 of a word each: they stand here,
 so these rounds are judged by a claim and not by anybody's honesty. All settings of the entries were
 chosen on the public tasks 1000 to 1005 of the joint. The first three tasks of a round claim-1 were
-played while this was written, so it judges no longer. `contest-robot` has fewer tasks on the other
-tracks. The cheat knows the public tasks 0 to 99, which are played too.
+played while this was written, so it judges no longer. claim-2 was replaced in the same change: that
+none of its tasks had been played is not on record, so it counts as seen. `contest-robot`
+has fewer tasks on the other tracks. The cheat knows the public tasks 0 to 99, which are played too.
 """
 
 import hashlib
@@ -36,8 +37,9 @@ ROBOT: Mapping[str, tuple[str, ...]] = {
     "part": ("nothing", "thesis", "knob_free"),
 }
 WITHIN, UNCHANGED = 0.9, 1.0
-"""Part of the entries whose score of round 2 is within their interval of round 1, and of the
-significantly different pairs that keep their order."""
+"""Part of the entries whose scores of both rounds differ by less than the 95 % interval of such a
+difference, which is wider than that of one round; and of the significantly different pairs that
+keep their order."""
 
 
 def _round(name: str) -> Round:
@@ -104,7 +106,8 @@ def checks(rows: Rows) -> Iterator[Check]:
             if p < LEVEL:
                 pairs += 1
                 kept.append(bool(second[better].mean() < second[worse].mean()))
-    words = f"scores of round 2 within the interval of round 1 ({sum(inside)} of {len(inside)})"
+    words = "scores of both rounds differ by less than the interval of a difference"
+    words += f" ({sum(inside)} of {len(inside)})"
     yield Check("", words, "", float(np.mean(inside)), low=WITHIN)
     if kept:
         words = f"pairs that differ significantly and keep their order ({sum(kept)} of {pairs})"
@@ -113,8 +116,8 @@ def checks(rows: Rows) -> Iterator[Check]:
 
 
 def overlaps(first: np.ndarray, second: np.ndarray) -> bool:
-    """The second geometric mean is in the first's interval of prediction: that of the difference of
-    two means as spread as these, from logarithms (n,)."""
+    """Two geometric means differ by less than the 95 % interval of the difference of two means that
+    are as spread as these, from logarithms (n,)."""
     both = first.var(ddof=1) / len(first) + second.var(ddof=1) / len(second)
     return bool(abs(first.mean() - second.mean()) <= 1.96 * np.sqrt(both) + 1e-3)
 

@@ -31,8 +31,8 @@ def rows(second=None, public=0.02, judged=1.0):
     ("change", "fails"),
     [
         ({}, ()),
-        ({"second": {"good": 0.05}}, ("within the interval",)),
-        ({"second": {"good": 0.07}}, ("within the interval", "keep their order")),
+        ({"second": {"good": 0.05}}, ("interval of a difference",)),
+        ({"second": {"good": 0.07}}, ("interval of a difference", "keep their order")),
         ({"public": 0.06}, ("the cheat leaves less",)),
         ({"judged": 0.9}, ("gains nothing in judged round 1", "gains nothing in judged round 2")),
     ],

@@ -21,6 +21,8 @@ REFUSED = {
     f"judge {NOTHING} --round a.json": "is sealed: judging it needs --salt",
     "table": "there is no result in contest",
     "table empty.json": "empty.json lacks the entry 'schema'",
+    "run latin.py": "latin.py cannot be read: 'utf-8' codec",
+    "run large.py": "large.py has 1.049 MB; at most 1.049 MB are read",
     "check": "one result and --entry",
     "new-round": "needs one name",
     "new-round development": "is public",
@@ -34,6 +36,8 @@ REFUSED = {
 def elsewhere(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "empty.json").write_text("{}")
+    (tmp_path / "latin.py").write_bytes("# Größe".encode("latin-1"))
+    (tmp_path / "large.py").write_text("#" * ((1 << 20) + 1))
 
 
 @pytest.mark.parametrize("words", REFUSED)
@@ -56,7 +60,7 @@ def test_a_round_is_sealed_judged_ranked_and_checked(capsys):
     assert cli.main(["contest", "table", "--out", "t", "--quiet"]) == 0
     assert {f.name for f in Path("t").iterdir()} == {"summary.json", "joint-2026-a.png"}
     result = Path("contest/nothing-joint-2026-a.json")
-    check = ["contest", "check", str(result), "--entry", NOTHING, *sealed]
+    check = ["contest", "check", str(result), "--entry", NOTHING, "--tasks", "2", *sealed]
     assert cli.main(check) == 0
     found = json.loads(result.read_text())
     for row in found["tasks"]:
@@ -64,6 +68,15 @@ def test_a_round_is_sealed_judged_ranked_and_checked(capsys):
     result.write_text(json.dumps(found))
     assert cli.main(check) == 1
     assert "does not come out the same" in capsys.readouterr().err
+
+
+def test_no_summary_holds_the_salt(capsys):
+    assert cli.main(["contest", "new-round", "2026-a"]) == 0
+    salt = Path("contest/2026-a.salt").read_text().strip()
+    sealed = ["--round", "contest/2026-a.json", "--salt", salt, "--tasks", "1", "--json"]
+    assert cli.main(["contest", "judge", NOTHING, *sealed, "--out", "o"]) == 0
+    assert salt not in Path("o/summary.json").read_text()
+    assert salt not in "".join(capsys.readouterr())
 
 
 def test_every_entry_is_in_the_table_of_the_rules():

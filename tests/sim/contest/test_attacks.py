@@ -220,6 +220,59 @@ def test_an_entry_remembers_nothing_of_the_task_before(process):
     assert reason(process, LEFT_BEHIND) is None
 
 
+FORGED = """
+import os, stat, time
+from armside.sim.contest.frames import packed
+class Entry:
+    def start(self, task):
+        for fd in range(3, 64):
+            try:
+                os.write(fd, packed({"raised": "x" * 1000000}))
+            except OSError:
+                pass
+        time.sleep(9)
+"""
+
+
+def test_a_forged_reason_of_a_megabyte_is_cut(process):
+    assert reason(process, FORGED) == "x" * 300
+
+
+CARRYING = """
+import os, stat, time
+import numpy as np
+from armside.sim.contest.frames import packed, unpacked
+from io import BytesIO
+class Entry:
+    def start(self, task):
+        pipes = []
+        for fd in range(3, 64):
+            try:
+                if stat.S_ISFIFO(os.fstat(fd).st_mode): pipes.append(fd)
+            except OSError:
+                pass
+        given, taken = pipes[0], pipes[1]
+        def read(n):
+            data = b""
+            while len(data) < n:
+                data += os.read(given, n - len(data)) or os._exit(0)
+            return data
+        os.write(taken, packed({"correction": np.zeros((4, 1))}))
+        unpacked(read, 1 << 20)  # the end
+        os.write(taken, packed({"ended": True}))
+        unpacked(read, 1 << 20)  # the next entry, which is not run
+        os.write(taken, packed({"loaded": True}))
+        unpacked(read, 1 << 20)
+        os.write(taken, packed({"raised": "carried"}))
+        time.sleep(9)
+"""
+
+
+def test_an_entry_does_not_live_on_in_the_next_task(process):
+    assert reason(process, CARRYING) is None
+    assert reason(process, GOOD) is None
+
+
 def test_no_more_memory_is_had_than_allowed(process):
     body = "            return len(bytearray(1 << 33))"
     assert reason(process, START.format(body=body)).startswith("MemoryError")

@@ -2,18 +2,21 @@
 
 import hashlib
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from armside.sim.contest import worker
 from armside.sim.contest.entry_process import EntryProcess
 from armside.sim.contest.joint_track import RANGES, TRACK, draw, left
-from armside.sim.contest.judge import LARGEST, checked, judged, play, read_result
+from armside.sim.contest.judge import LARGEST, begun, checked, judged, play, read_result
 from armside.sim.contest.seal import Round, new_round, read_round
 from armside.sim.contest.task import Limits
 from armside.sim.contest.tracks import NAMES
 from armside.sim.records.files import InputError
 
+WORKER = worker.__file__
 SALT = b"s" * 32
 SEALED = Round("2026-a", hashlib.sha256(SALT).hexdigest(), SALT)
 SHORT = replace(TRACK, runs=3, seconds=2.0)
@@ -103,6 +106,48 @@ def test_an_entry_at_fault_loses_that_task_alone(body, why):
     assert not well["harm"]
 
 
+def test_a_process_that_does_not_start_is_no_fault_of_the_entry(tmp_path, monkeypatch):
+    monkeypatch.setattr(worker, "__file__", str(tmp_path / "none.py"))
+    with EntryProcess() as process, pytest.raises(InputError, match=r"does not start .*python"):
+        play(ENTRY, draw(Round(), 0), SHORT, process)
+
+
+KINDS = {
+    "raise ValueError(repr(vars(task)))": "raised",
+    "time.sleep(60)": "hung",
+    "return np.zeros((5, 2))": "wrong shape",
+    "return np.full(task.reference.shape, np.nan)": "not finite",
+    "return np.full(task.reference.shape, 1e3)": "beyond limits",
+    "os._exit(0)": "ended",
+}
+SAYING = "import numpy as np, os, time\nclass Entry:\n def start(self, task):\n  "
+
+
+@pytest.mark.parametrize(("body", "kind"), KINDS.items())
+def test_a_judged_round_gives_no_reason_in_the_words_of_the_entry(body, kind):
+    with EntryProcess(judged=True) as process:
+        assert play(SAYING + body, draw(SEALED, 0), SHORT, process)["reason"] == kind
+
+
+@pytest.mark.parametrize("again", [False, True])
+def test_a_judged_round_without_isolation_runs_nothing_of_an_entry(again, tmp_path, monkeypatch):
+    entry, file = tmp_path / "e.py", tmp_path / "e.json"
+    entry.write_text(f"open({str(tmp_path / 'ran')!r}, 'w')\n" + ENTRY.format(body="return None"))
+    monkeypatch.setattr(worker, "__file__", str(tmp_path / "worker.py"))
+    text = Path(WORKER).read_text()
+    text = text.replace('if asked["isolate"]:', "if False:").replace("os.getuid() == 0", "False")
+    (tmp_path / "worker.py").write_text(text)
+    result = begun("e", entry.read_text(), "joint", SEALED)
+    result["tasks"] = [{"index": 0, "left": 1.0}]
+    ways = {
+        False: lambda: judged(file, entry, "joint", SEALED, 1, lambda: None),
+        True: lambda: list(checked(result, entry.read_text(), SEALED, 1)),
+    }
+    with pytest.raises(InputError, match="a judged round needs a system that grants namespaces"):
+        ways[again]()
+    assert not (tmp_path / "ran").exists()
+
+
 @pytest.mark.parametrize(
     ("u", "beyond"),
     [
@@ -141,15 +186,35 @@ def test_a_result_is_gone_on_from_and_checked(tmp_path):
     assert before == after[:2]
     assert [row["index"] for row in after] == [0, 1, 2]
     assert len(steps) == 5
-    result = read_result(file)
-    assert list(checked(result, entry.read_text(), SEALED)) == []
-    for row in result["tasks"]:
-        row["left"] = 0.5
-    assert "leaves" in next(checked(result, entry.read_text(), SEALED))
-    assert "another one" in next(checked(result, "class Entry: pass", SEALED))
+    result, source = read_result(file), entry.read_text()
+    assert list(checked(result, source, SEALED, 3)) == []
+    assert "another one" in next(checked(result, "class Entry: pass", SEALED, 3))
+    file.write_text(file.read_text().replace('"numpy": "', '"numpy": "0.'))
+    with pytest.raises(InputError, match="something else"):
+        judged(file, entry, "joint", SEALED, 3, lambda: None)
     entry.write_text(ENTRY.format(body="return 0"))
     with pytest.raises(InputError, match="something else"):
         judged(file, entry, "joint", SEALED, 3, lambda: None)
+
+
+CHANGED = {
+    "left": 0.5,
+    "harm": True,
+    "runs": 2,
+    "curve": [0.5],
+}
+
+
+def test_a_result_that_lacks_a_task_or_says_other_than_its_replay_is_found(tmp_path):
+    entry, file = tmp_path / "e.py", tmp_path / "e.json"
+    entry.write_text(ENTRY.format(body="return None"))
+    result, source = judged(file, entry, "joint", SEALED, 2, lambda: None), entry.read_text()
+    for name, value in CHANGED.items():
+        forged = result | {"tasks": [row | {name: value} for row in result["tasks"]]}
+        assert f"{name} is " in next(checked(forged, source, SEALED, 2))
+    for kept in (result["tasks"][:1], result["tasks"][1:], []):
+        assert "lacks" in next(checked(result | {"tasks": kept}, source, SEALED, 2))
+    assert "lacks" in next(checked(result, source, SEALED, 3))
 
 
 def test_tracks_are_those_of_the_rules():

@@ -67,20 +67,21 @@ def result(name, left, first=0, lost=()):
         }
         for i, x in enumerate(left)
     ]
-    about = {"track": "joint", "round": "a", "salt_sha256": ""}
-    return {**about, "entry": {"name": name}, "tasks": rows}
+    about = {"schema": "1", "track": "joint", "round": "a", "salt_sha256": ""}
+    about |= {"code": "c", "versions": {"numpy": "2"}}
+    return {**about, "entry": {"name": name, "sha256": name}, "tasks": rows}
 
 
-def test_a_table_ranks_on_the_tasks_that_all_results_have():
-    one = result("a", [0.5, 0.5, 9.0], lost=[2])
-    rows, n = table([one, result("b", [4.0, 4.0], first=1)])
-    assert n == 2  # tasks 1 and 2
+def test_a_table_ranks_on_all_tasks():
+    one = result("a", [0.5, 9.0], lost=[1])
+    rows, n = table([one, result("b", [4.0, 4.0])])
+    assert n == 2
     assert [row["left"] for row in rows] == pytest.approx([np.sqrt(4.5), 4.0])
     assert [row["harm"] for row in rows] == [0.5, 1.0]
     assert [row["worst"] for row in rows] == [9.0, 4.0]
     assert [row["lost"] for row in rows] == [1, 0]
-    assert [row["runs"] for row in rows] == [2.5, 1.5]
-    assert [row["seconds"] for row in rows] == [0.375, 0.125]
+    assert [row["runs"] for row in rows] == [1.5, 1.5]
+    assert [row["seconds"] for row in rows] == [0.125, 0.125]
     assert [row["reasons"] for row in rows] == [["raised"], []]
 
 
@@ -88,8 +89,12 @@ def test_a_table_ranks_on_the_tasks_that_all_results_have():
     ("results", "why"),
     [
         ([result("a", [1.0]), result("a", [1.0])], "two results"),
-        ([result("a", [1.0]), result("b", [1.0], first=5)], "no task in common"),
-        ([result("a", [1.0]), result("b", [1.0]) | {"round": "c"}], "several tracks or rounds"),
+        ([result("a", [1.0]), result("b", [1.0], first=5)], "b cannot be ranked: .* lacks 1 of 0"),
+        ([result("a", [1.0]), result("b", [1.0, 2.0])], "a cannot be ranked: .* lacks 1 of 0 to 1"),
+        ([result("a", [])], "a cannot be ranked"),
+        ([result("a", [1.0]), result("b", [1.0]) | {"round": "c"}], "several rounds"),
+        ([result("a", [1.0]), result("b", [1.0]) | {"code": "d"}], "several codes"),
+        ([result("a", [1.0]), result("b", [1.0]) | {"versions": {}}], "several versions"),
     ],
 )
 def test_results_that_do_not_belong_together_are_refused(results, why):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from armside.sim.cell import LARGE_CELL
+from armside.sim.contest import robot_tracks
 from armside.sim.contest.judge import play
 from armside.sim.contest.nominal import cut_of, pass_of
 from armside.sim.contest.robot_tracks import (
@@ -76,6 +77,31 @@ def test_a_judged_task_is_another_one_within_wider_ranges(task):
     assert low <= sealed["speed"] <= high
 
 
+@pytest.mark.parametrize("name", ["motor", "first", "drift", "part"])
+def test_individual_and_noise_are_drawn_by_256_bits_of_the_seal(name, monkeypatch):
+    """Fewer could be tried out by an entry; and no recording has the noise of the judged run."""
+    if name == "part":
+        pytest.importorskip("shapely")
+    seeds, individuals, made = [], set(), robot_tracks.prepare
+
+    def watched(cut, *, seed, **more):
+        seeds.append(seed)
+        individuals.add(cut.individual.number)
+        return made(cut, seed=seed, **more)
+
+    monkeypatch.setattr(
+        robot_tracks, "prepare", lambda cut, seed=0, **more: watched(cut, seed=seed, **more)
+    )
+    monkeypatch.setattr(robot_tracks, "_recorded", lambda task, seed, cut: seeds.append(seed))
+    TRACKS[name].draw(SEALED, 0)
+    own = SEALED.key(name, 0, "noise")
+    others = [seed for seed in seeds if seed not in (0, own)]
+    assert individuals == {SEALED.key(name, 0, "robot")}
+    assert own in seeds
+    assert len(set(others)) == len(others) == (10 if name == "first" else 0)
+    assert all(abs(seed - own) > 2**128 for seed in others)
+
+
 def test_the_score_of_drift_is_the_rms_over_all_runs():
     assert over_all_runs(np.array([1.0, 2.0]), np.array([2.0, 4.0])) == pytest.approx(0.5)
 
@@ -83,7 +109,7 @@ def test_the_score_of_drift_is_the_rms_over_all_runs():
 class Silent:
     """Stands for an entry's process that answers zeros, and then stops."""
 
-    isolation = ()
+    isolation, judged = (), False
 
     def load(self, source):
         self.calls = 0
