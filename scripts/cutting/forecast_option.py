@@ -23,9 +23,9 @@ class ForecastCfg:
     """What to say before the first run."""
 
     forecast: bool = False
-    """Forecast what learning from motors, estimate and tracker leaves. From eight robots of the
-    type, some seconds for a circle. Where motors would make the tool of most robots worse, learning
-    from them is refused unless --measure motor is given."""
+    """Say what learning would leave of the error. From motors, estimate and tracker, by eight
+    robots of the type, some seconds for a circle. Where motors would make the tool of most robots
+    worse, learning from them is refused unless --measure motor is given."""
 
 
 def foreseen(

@@ -69,7 +69,7 @@ class CutCfg(KnownGearsCfg):
     speed: Annotated[float, _OF_PLAN] = 40.0
     """Programmed speed along the contours [mm/s]."""
     rapid: Annotated[float, _OF_PLAN] = 200.0
-    """Speed of rapid moves between contours [mm/s]."""
+    """Speed of rapid moves [mm/s]."""
     pierce: Annotated[float, _OF_PLAN] = 0.3
     """Rest before each cut [s]. In it the beam pierces the sheet."""
     micro_joints: Annotated[int, _OF_PLAN] = 0

@@ -10,7 +10,7 @@ from armside.sim.robot.virtual_robot import LOG_PERIOD
 from armside.sim.twin.commission import SENSORS, CommissionedTwin, sensor_of
 from armside.sim.twin.correction import friction_constants, lugre
 from armside.sim.twin.parameters import Parameters
-from armside.sim.twin.recordings import MeasuredCut
+from armside.sim.twin.recordings import MeasuredCut, SensorName
 from armside.sim.twin.sensitivities import Against
 from armside.sim.twin.tool_sensor import ToolSensor
 from armside.sim.twin.twin import Twin
@@ -60,8 +60,8 @@ def residuals(file: Path, found: CommissionedTwin, cuts: Sequence[MeasuredCut]) 
     for each sensor."""
     twin, quality = found.twin, found.identified
     measure = "tracker" if twin.sensor == "tracker" else "imu"
-    names = [sensor_of(cut, measure) for cut in cuts]
-    kinds = list(dict.fromkeys(names))
+    names: list[SensorName] = [sensor_of(cut, measure) for cut in cuts]
+    kinds: list[SensorName] = list(dict.fromkeys(names))
     before = np.array(
         [_by_design(twin, cut, SENSORS[n]) for cut, n in zip(cuts, names, strict=True)]
     )

@@ -228,7 +228,7 @@ def commission(
     """
     if not cuts:
         raise ValueError("commissioning needs one recorded cut or more")
-    names = {sensor_of(cut, measure) for cut in cuts}
+    names: set[SensorName] = {sensor_of(cut, measure) for cut in cuts}
     if names == {"tracker", "scan"}:
         raise ValueError("a coupon goes with cuts by an IMU, or alone, not with those of a tracker")
     design = design_of(robot, payload)
