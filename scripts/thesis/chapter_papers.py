@@ -314,7 +314,8 @@ def _by_individual(found: Mapping[str, Array], file: Path, label: str) -> None:
         for (name, values), color in zip(found.items(), TABLEAU_COLORS, strict=False):
             axis.plot(JUDGEMENT, values, ".-", color=color, label=name)
         axis.set(xlabel="individual", ylabel=label)
-        axis.set_ylim(bottom=min(0.0, axis.get_ylim()[0]))
+        if all(np.nanmin(values, initial=0.0) >= 0.0 for values in found.values()):
+            axis.set_ylim(bottom=0.0)
         axis.legend(loc="upper left", bbox_to_anchor=(1, 1))
 
 

@@ -436,6 +436,24 @@ PAPERS: dict[str, tuple[str, Change]] = {
     "T3-dkf": ("papers-estimators", turned("dkf", 1.7, ())),  # a wrong model costs nothing
     "T3-kkf": ("papers-estimators", turned("kkf", 2.1, ())),  # the gyroscope makes it worse
     **{
+        f"T1-two-stage-{id}": ("papers-two-stage", change)
+        for id, change in {
+            "motor": turned("acceleration_rms", 0.95 / 1.4, side="motor"),
+            "load": turned("acceleration_rms", 1.05 / 0.4, side="load"),
+            "tcp": turned("tcp_rms", 1.05 / 0.4, side="load"),
+            "peak": turned("tcp_peak", 1.05 / 0.4, side="load"),
+            "rest": turned("rest_acceleration_rms", 0.95 / 2.8, side="motor"),
+        }.items()
+    },
+    "T2-smoother": ("papers-tool", turned("smoother", 1.05 / 0.4, 0)),  # no better than motors
+    "T2-online": ("papers-tool", turned("online", 1.05 / 0.5, 0)),
+    "T2-doubled": ("papers-tool", turned("smoother doubled", 1.05 / 0.45, 0)),
+    "T2-doubled-loss": ("papers-tool", turned("smoother doubled", 0.8 / 0.45, 0)),  # costs as much
+    "L1": ("papers-edge", turned("position", 1.05 / 0.4, 1)),  # worse than uncorrected
+    "L1-peak": ("papers-edge", turned("peak", 1.05 / 0.5, 1)),
+    "L1-acceleration": ("papers-edge", turned("acceleration", 1.05 / 0.6, 1)),
+    "N1": ("papers-speeds", turned("twin", 2.1 / 0.8, ())),
+    **{
         f"{id}{suffix}": (f"papers-square{suffix}", change)
         for suffix in ("", "-large")
         for id, change in SQUARE.items()
@@ -454,7 +472,8 @@ def section_papers(id: str, change: Change | None = None) -> list[Check]:
 
     @contextmanager
     def panels(*_: Any, **__: Any) -> Iterator[list[MagicMock]]:
-        yield [MagicMock()] * {"papers-bench": 2, "papers-estimators": 1}.get(id, 3)
+        of_learning = id.startswith(("papers-square", "papers-two-stage"))
+        yield [MagicMock()] * (3 if of_learning else 2 if id == "papers-bench" else 1)
 
     (entry,) = (entry for entry in chapter_papers.ENTRIES if entry.id == id)
     with pytest.MonkeyPatch.context() as patch:
