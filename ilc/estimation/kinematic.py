@@ -13,6 +13,8 @@ from numba import njit
 
 from armside.arrays import Array
 
+from ..records import as_record
+
 ITERATIONS = 30
 """Of expectation-maximisation. Twice as many change an angle of the M16iB-like arm by less than a
 microradian. ESTIMATE"""
@@ -37,6 +39,7 @@ class KinematicFilter:
 
     def smoothed(self, angle: Array, acceleration: Array) -> Array:
         """(N, 2), angle and rate by all samples (N,), with noise of the whole record."""
+        angle, acceleration = _columns(angle=angle, acceleration=acceleration)
         start = np.array([angle[0], 0.0]), AT_START
         known = self._learned(angle, acceleration, *self._first_noise, *start)
         return _smoother(*self.process, *known, angle, acceleration, *start)[0]
@@ -44,6 +47,7 @@ class KinematicFilter:
     def filtered(self, angle: Array, acceleration: Array, window: int) -> Array:
         """(N, 2), angle and rate by the samples up to each; noise is that of the window of so many
         samples that ended last."""
+        angle, acceleration = _columns(angle=angle, acceleration=acceleration)
         A, B = self.process
         Q, R = self._first_noise
         found = np.empty((len(angle), 2))
@@ -71,6 +75,14 @@ class KinematicFilter:
         for _ in range(self.iterations):
             _, Q, R = _smoother(A, B, Q, R, angle, acceleration, x, P)
         return Q, R
+
+
+def _columns(**signals: Array) -> list[Array]:
+    """Signals (N,) that are finite and equally long; ValueError for others."""
+    found = [as_record(np.atleast_2d(value).T, name)[:, 0] for name, value in signals.items()]
+    if len({len(each) for each in found}) > 1:
+        raise ValueError(f"{' and '.join(signals)} must have equally many samples")
+    return found
 
 
 @njit(cache=True)

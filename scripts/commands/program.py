@@ -1,6 +1,6 @@
 """`armside program`: a robot's program in RAPID, KRL or URScript, described, or learned by hand."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from hashlib import sha256
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -130,7 +130,7 @@ def _learn(
         "program": found.texts[0].name,
         "notes": [*found.notes, *dict.fromkeys(note for each in recordings for note in each.notes)],
     }
-    outcome = summary("program", cfg, common, **entries)
+    outcome = summary("program", {"action": "learn", **asdict(cfg)}, common, **entries)
     with RunFolder("program", seed=common.seed, out=common.out) as folder:
         for text in found.texts:
             (folder / text.name).write_bytes(text.content.encode("latin-1"))

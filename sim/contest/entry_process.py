@@ -91,7 +91,7 @@ class EntryProcess:
 
     def _begin(self) -> None:
         self._folder = tempfile.TemporaryDirectory(prefix="contest-")
-        package = Path(armside.__file__).parent
+        package, home = Path(armside.__file__).parent, cache_folder().parents[1]
         paths = [path for path in sys.path if Path(path).name in LIBRARIES]
         paths += [str(Path(np.__file__).parents[1]), str(package.parent)]
         rooms = [str(room.resolve()) for room in package.iterdir() if room.is_symlink()]
@@ -99,7 +99,7 @@ class EntryProcess:
             "libraries": _outermost([sys.base_prefix, *paths, *rooms]),
             **{"path": paths, "root": self._folder.name},
             "cache": {
-                str(f.relative_to(cache_folder().parents[1])): str(f) for f in loaded_files()
+                str(f.relative_to(home)): str(f) for f in loaded_files() if f.is_relative_to(home)
             },
             **{"memory": MEMORY, "isolate": self.isolate, "preloaded": PRELOADED},
         }

@@ -65,7 +65,7 @@ def rows():
 
 NAMES = [
     *("calibration", "commission", "controller", "env", "estimation", "ilc", "imu", "kinematics"),
-    *("parts", "robot", "scaling", "start", "sweep"),
+    *("parts", "robot", "scaling", "scan", "start", "sweep"),
 ]
 
 

@@ -34,6 +34,8 @@ NOT_RECORDS = {
 """Parameters that are arrays and no records; some of them are checked where they are used."""
 CHECKED_INSIDE = {"as_real", "as_record", "as_samples", "as_measured", "as_whole"} | {
     "fit_circle",
+    "KinematicFilter.filtered",
+    "KinematicFilter.smoothed",
     "friction",
     "path_accuracy",
     "path_repeatability",
