@@ -272,6 +272,7 @@ class Rules(EnvCfg):
                 if ahead["criterion"] >= 1.0:
                     later = later._replace(reward=WORST_REWARD)
                 ahead["rms_held"] = float(held.measured.rms)
+                ahead["rms_held_true"] = float(held.true.rms)
                 score = min(score, later, key=lambda one: one.reward)
         return self.observe(after), score.reward, *ends, self.info(after, decision, score) | ahead
 
@@ -325,7 +326,8 @@ class Rules(EnvCfg):
         - of a step with a design, by the controller's model: criterion, sup |Q (1 - L T_u)|, above
           1 where motors diverge; in version 1 also motor_error_predicted, one 2-norm for each [rad]
           of the shaft, after HORIZON updates all with this design;
-        - of the last step in version 1: rms_held [m], of a run with the correction predicted there.
+        - of the last step in version 1: rms_held [m], of a run with the correction predicted there,
+          and its truth, rms_held_true.
         """
         drawn, twin = situation.task, situation.twin
         status = "done" if self.truncated(situation) else "running"
