@@ -13,6 +13,8 @@ from armside.arrays import Array, read_only
 
 from ..records import records
 
+_MOST = 60
+"""Most doublings of a step: |A| h of an arm is below 2^10, and precision is lost beyond 2^53."""
 _SERIES = 12  # terms: 0.5^12 / 12! is far below rounding
 
 
@@ -46,6 +48,8 @@ def sampled_noise(A: Array, GWG: Array, step: float) -> tuple[Array, Array]:
     """exp(A h), and the process noise covariance of white noise with intensity GWG over h.
 
     A series over a short step d, doubled up to h: Q(2 d) = Q(d) + e^{A d} Q(d) e^{A d}^T.
+
+    Raises FloatingPointError for a process that no step of h describes: |A| h above 2^_MOST.
     """
     balanced, units = _balanced(A)
     spread = np.ascontiguousarray(GWG / np.outer(units, units))
@@ -108,7 +112,7 @@ def _balanced(A: Array) -> tuple[Array, Array]:
     """
     from scipy.linalg import matrix_balance
 
-    if not np.isfinite(A).all():
+    if not np.abs(A).max(initial=0.0) < 2.0**100:  # nor finite; balancing would overflow
         return np.ascontiguousarray(A), np.ones(len(A))
     balanced, (units, _) = matrix_balance(A, permute=False, separate=True)
     return np.ascontiguousarray(balanced, dtype=np.float64), units
@@ -116,7 +120,10 @@ def _balanced(A: Array) -> tuple[Array, Array]:
 
 def _doublings(A: Array) -> int:
     """Number of halvings of A until its norm is at most 1/2."""
-    return max(0, int(np.ceil(np.log2(max(2.0 * np.abs(A).sum(axis=1).max(), 1.0)))))
+    size = float(2.0 * np.abs(A).sum(axis=1).max())
+    if np.isfinite(size) and size > 2.0**_MOST:  # one that is not finite stays so
+        raise FloatingPointError(f"the process is too fast: |A| h is {size:.3g}")
+    return max(0, int(np.ceil(np.log2(max(size, 1.0))))) if np.isfinite(size) else 0
 
 
 @records("u")

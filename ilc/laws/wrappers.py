@@ -223,6 +223,8 @@ class Simulated(FirstOrderLaw):
     """Filter of what the simulation leaves unexplained."""
     weight: tuple[float, ...]
     """(n,), weights of the columns in the size of a residual: the largest magnitude."""
+    by_rms: bool = False
+    """The size of a residual is its RMS: where the largest value, in a corner, may grow at first."""
     passes: int = 12
     """Most passes on the simulated plant before each run."""
 
@@ -243,7 +245,8 @@ class Simulated(FirstOrderLaw):
         best, smallest, fruitless = correction, np.inf, 0
         for left in reversed(range(self.passes + 1)):
             residual = simulated + unexplained
-            size = float(np.abs(residual * np.array(self.weight)).max())
+            each = np.abs(residual * np.array(self.weight))
+            size = float(np.sqrt((each**2).mean()) if self.by_rms else each.max())
             fruitless = 0 if size < _SMALLER * smallest else fruitless + 1
             if size < smallest:
                 best, smallest = correction, size

@@ -1,6 +1,7 @@
 """`armside cut`: a robot cuts a whole part from its drawing, and learns all contours at once."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Annotated, Any
 
 from cyclopts import Parameter
@@ -16,6 +17,7 @@ from ..cutting.earlier import FromCfg, save_state, started
 from ..cutting.forecast_option import ForecastCfg, entries, foreseen, show_forecast
 from ..cutting.part_options import CutCfg, drawing, part_cut
 from ..cutting.part_program import Learner, write_program
+from ..cutting.part_scan import PartScanCfg, Taught, taught
 from ..figures.part_results import show_plan, show_results, write_plan, write_results
 from ..shell.console import Report
 from ..shell.errors import checking_input
@@ -30,6 +32,7 @@ def cut(
     *,
     cfg: CutCfg = CutCfg(),
     of: FromCfg = FromCfg(),
+    seen: PartScanCfg = PartScanCfg(),
     ahead: ForecastCfg = ForecastCfg(),
     common: Common = Common(),
 ) -> None:
@@ -39,8 +42,10 @@ def cut(
     the first and last run, replay.rrd and state.npz (for --from, which needs no drawing).
     """
     report, made, learner, lines = Report(common), None, None, list[str]()
-    forecast = None
+    forecast: Any = None
+    by_scan: Taught | None = None
     with checking_input():
+        cfg = seen.asked(cfg)
         cfg, common, before = started(of.start, "cut", cfg, common)
         part = drawing(part, before)
         what = part_cut(part, cfg)
@@ -53,6 +58,10 @@ def cut(
             made = ready(what, measure_of(cfg.measure), common.seed, before)
             forecast = foreseen(report, made, ahead, cfg)
             learner = None if cfg.as_program is None else Learner.of(made, cfg)
+            if seen.scan is not None:
+                by_scan = taught(seen, cfg, made, learner, before)
+                made = replace(made, start=by_scan.state.loop.correction, earlier=None)
+                learner = learner and replace(learner, made=made)
     show_plan(report, plan)
     show_forecast(report, forecast)
     about: dict[str, Any] = {"part": part}
@@ -72,8 +81,11 @@ def cut(
             with report.progress("cutting", total=cfg.iterations + 1) as step:
                 learned = (learner or made).iterations(cfg.iterations, 1e-2 * cfg.converged or None)
                 found = results(made.experiment, _watched(learned, ends, step), of_tool=True)
-            save_state(folder, ends[-1].state)
+            save_state(folder, by_scan.state if by_scan else ends[-1].state)
             started_from, of_twin = made.entries()
+            if by_scan is not None:
+                by_scan.write(folder)
+                started_from["scan"], of_twin = by_scan.entries, [*by_scan.notes]
             if learner is not None and found["status"] == "done":
                 lines, started_from["program"], held = write_program(
                     folder, what, cfg, learner, ends[-1]
@@ -85,7 +97,9 @@ def cut(
             outcome = summary("cut", cfg, common, **found)
             write_results(folder, made.experiment, ends, outcome)
     report.notes(notes)
-    if made is not None:
+    if by_scan is not None:
+        by_scan.show(report)
+    elif made is not None:
         made.show(report, outcome)
         show_results(report, outcome)
     report.lines(lines)

@@ -103,7 +103,7 @@ def iterate(
     output = set_up(runs[0])
     reference = as_record(output.reference, "reference")
     runs += [plant.run(u.copy()) for _ in range(repeats - 1)]
-    law = _law(output.law if law is None else law, output, experiment, begun, converged)
+    law = loop_law(output.law if law is None else law, output, experiment, begun, converged)
     law.check(len(reference), u.shape[1])
     ratio = DIVERGENCE_RATIO * (1.0 if begun is None else FROM_A_MODEL)
     k, last, memory, first_size = 0, iterations, None, None
@@ -193,8 +193,12 @@ def _as_correction(start: Array | None, reference: Array, inputs: int | None = N
     return found
 
 
-def _law(
-    law: Law, output: Output, experiment: Experiment, start: Array | None, converged: float | None
+def loop_law(
+    law: Law,
+    output: Output,
+    experiment: Experiment,
+    start: Array | None = None,
+    converged: float | None = None,
 ) -> Law:
     """The law, for each contour until it has converged, and around a first correction."""
     if converged is not None:
@@ -208,7 +212,8 @@ def _law(
             least=converged,
         )
     # A law on a simulated plant is given the whole correction, as its plant is.
-    return law if start is None or isinstance(law, Simulated) else Around(law, start)
+    inner = law.law if isinstance(law, Guarded) else law
+    return law if start is None or isinstance(inner, Simulated) else Around(law, start)
 
 
 def _mean(outputs: list[Array], reference: Array) -> Array:

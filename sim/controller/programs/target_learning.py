@@ -17,7 +17,7 @@ than targets can move it.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -29,12 +29,14 @@ from armside.ilc.laws import Law, Simulated
 from armside.ilc.laws.first_order import FirstOrderLaw
 from armside.ilc.laws.wrappers import Guarded
 
+from ...estimation.elasticity import Elasticity
 from ...estimation.estimator import validity
 from ...estimation.nominal import nominal_arm
 from ...estimation.relative_path import relative_to_start
 from ...laser.experiment import Experiment, Iteration, Pass
 from ...laser.loop import Start, iterate
 from ...laser.measures import Measure, MotorAngles
+from ...laser.scan_measure import ScannedPart, ScanOutput
 from ...laser.tool_measure import Source, ToolOutput, ToolPath
 from ...notes import Note
 from ...robot.effects import available
@@ -69,8 +71,8 @@ class ContourOutput:
     """Contour error of a run (N, 3) [m], base axes, weighted; at the instants of the plan."""
 
     program: PlannedProgram
-    position: Callable[[Pass], tuple[Array, Array]]
-    """Positions (K, 3) [m] of the tool at the log of a run, and their validity (K,)."""
+    seen: Callable[[Pass], Array]
+    """(N, 3) [m], of a run from the tool to the contour."""
     law: Law = field(repr=False)
     inner: Any = None
     """Output whose notes these are."""
@@ -84,11 +86,7 @@ class ContourOutput:
         return getattr(self.inner, "notes", ())
 
     def __call__(self, run: Pass) -> Array:
-        assert run.clock is not None
-        position, valid = self.position(run)
-        return -across(self.program, position, *run.clock) * at_plan(
-            self.program, valid[:, np.newaxis], *run.clock
-        )
+        return -self.seen(run)
 
     def size(self, error: Array) -> Array:
         return np.array([float(np.linalg.norm(error))])
@@ -233,7 +231,8 @@ class TargetStep(FirstOrderLaw):
 
 def law_of(model: Model, passes: int = PASSES) -> Simulated:
     """Learning on the model between two runs of the robot."""
-    return Simulated(simulation=model, law=TargetStep(model), weight=AXES, passes=passes)
+    step = TargetStep(model)
+    return Simulated(simulation=model, law=step, weight=AXES, by_rms=True, passes=passes)
 
 
 def contour_measure(
@@ -256,13 +255,16 @@ def contour_measure(
 
         shift = experiment.programmed - at_plan(program, commanded(asked.reference), *at)
 
-        def by_motors(run: Pass) -> tuple[Array, Array]:
+        def by_motors(run: Pass) -> Array:
             log = run.recording
+            assert run.clock is not None
             own = [np.interp(run.of_motion(log.time), experiment.motion.time, c) for c in shift.T]
-            return commanded(log.motor_angle) + np.stack(own, axis=1), np.ones(len(log.time))
+            return across(program, commanded(log.motor_angle) + np.stack(own, axis=1), *run.clock)
 
         model = Model(program, robot or nominal)
         return lambda _: ContourOutput(program, by_motors, law_by(model))
+    if isinstance(measure, ScannedPart):
+        return _by_scan(program, measure, robot)
     if not isinstance(measure, ToolPath):
         raise ValueError(f"programs are learned from motors or the tool, not from {measure}")
     set_up = measure.prepare(experiment)
@@ -271,7 +273,7 @@ def contour_measure(
         output = set_up(first)
         assert isinstance(output, ToolOutput)
 
-        def by_tool(run: Pass) -> tuple[Array, Array]:
+        def position(run: Pass) -> tuple[Array, Array]:
             if measure.source is not Source.ESTIMATE:
                 seen = run.tracker.valid if measure.source is Source.TRACKER else np.ones(2)
                 at = run.tracker.time[: len(seen)]
@@ -279,8 +281,42 @@ def contour_measure(
             found = output.estimated(run)
             return start + found.displacement[:, :3], validity(found, run.recording.time).weight
 
-        model = Model(program, robot or _known(experiment, output))
+        def by_tool(run: Pass) -> Array:
+            tool, valid = position(run)
+            assert run.clock is not None
+            weight = at_plan(program, valid[:, np.newaxis], *run.clock)
+            return across(program, tool, *run.clock) * weight
+
+        model = Model(program, robot or _known(experiment, output.known.parameters.springs))
         return ContourOutput(program, by_tool, law_by(model), output)
+
+    return ready
+
+
+def _by_scan(
+    program: PlannedProgram, measure: ScannedPart, robot: RobotModel | None
+) -> Callable[[Pass], ContourOutput]:
+    """By the scan of each part, at the motors' path as it was at the instants of the plan."""
+    experiment = program.experiment
+    set_up, motion = measure.prepare(experiment), experiment.motion
+    weight = np.where(motion.is_on_contour(motion.time), 1.0, 0.0)[:, np.newaxis]
+
+    def planned(run: Pass) -> Pass:
+        assert run.clock is not None
+        log = run.recording
+        names = ("reference", "correction", "motor_angle", "motor_torque")
+        signals = {name: at_plan(program, getattr(log, name), *run.clock) for name in names}
+        return replace(run, recording=replace(log, time=motion.time, **signals))
+
+    def ready(first: Pass) -> ContourOutput:
+        output = set_up(planned(first))
+        assert isinstance(output, ScanOutput)
+
+        def by_scan(run: Pass) -> Array:
+            return weight * (output.reference - output(planned(run)))[:, :3]
+
+        known = experiment.nominal if not output.springs else _known(experiment, output.springs)
+        return ContourOutput(program, by_scan, law_by(Model(program, robot or known)), output)
 
     return ready
 
@@ -290,9 +326,9 @@ def law_by(model: Model) -> Law:
     return Guarded(law=law_of(model), weight=AXES)
 
 
-def _known(experiment: Experiment[Any], output: ToolOutput) -> RobotModel:
-    """The nominal robot on the springs of gears that are assumed, or identified by an IMU."""
-    nominal, springs = experiment.nominal, output.known.parameters.springs
+def _known(experiment: Experiment[Any], springs: Elasticity) -> RobotModel:
+    """The nominal robot on the springs of gears that are assumed, or identified."""
+    nominal = experiment.nominal
     individual = Individual(
         gear_stiffness=springs.stiffness[springs.axes] / nominal_arm(nominal).stiffness
     )

@@ -97,3 +97,13 @@ def first_model(first, monkeypatch):
     with pytest.raises(StopIteration):
         identification.identify(motion, nominal, repaired(first.imu, IMU), IMU)
     return stopped[0]
+
+
+def test_springs_far_beyond_any_arm_are_impossible_and_end_no_search(first_model):
+    """A step of the search may try them: |A| h of 2^64 and more had no number of doublings."""
+    model, sd = first_model
+    for size in (60.0, 300.0):  # log stiffness and damping
+        theta = np.zeros(len(sd))
+        theta[: len(sd) - 8] = size
+        innovation = model(theta).innovation
+        assert not np.isfinite(innovation).any()
