@@ -201,8 +201,11 @@ def _export_program(report: Report, run: Path, into: Path, cfg: ExportCfg, commo
                 raise InputError(f"--file must end with {Path(text.name).suffix}: {each.name}")
             if each.exists() and each.samefile(into.with_name(text.name)):
                 raise InputError(f"{each} is the program itself: give another --file")
+            if cfg.file is None and each.exists():
+                raise InputError(f"{each} exists: give a --file, which may be one to write over")
             check_file_to_write(each)
         beyond, notes = list[str](), list[str]()
+        speed = 1e-3 * stored.summary["config"].get("speed", 0.0)
         if stored.summary["config"].get("as_program"):
             for name in ("law", "robot"):
                 if getattr(cfg, name) is not None:
@@ -212,14 +215,15 @@ def _export_program(report: Report, run: Path, into: Path, cfg: ExportCfg, commo
             if state is None:
                 raise InputError(f"{run} stored no targets to take over")
             beyond = _named(run, ended(stored.summary, state.loop.k), cfg)
-            made = displaced(program, stored.path, state.loop.correction)
+            made = displaced(program, stored.path, state.loop.correction, speed)
         else:
             correction = stored_correction(stored, cfg.law)
             cell = _cell(cfg, correction)
             if cell is None:
                 raise InputError("a program needs a robot, and the run names none: give --robot")
             beyond, notes = _let_through(run, cfg, correction, cell)
-            made = corrected_by(program, stored.path, correction, cell, cell_model(cell).drives)
+            drives = cell_model(cell).drives
+            made = corrected_by(program, stored.path, correction, cell, drives, speed)
     for each, text in zip(files, made.texts, strict=True):
         write_bytes(each, text.content.encode("latin-1"))
     found = {key: value for key, value in vars(made).items() if key != "texts"}

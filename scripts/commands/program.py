@@ -1,4 +1,4 @@
-"""`armside program`: a robot's program in RAPID, KRL or URScript, described, or learned by hand."""
+"""`armside program`: a program in RAPID, KRL or URScript, described, learned by hand, or run."""
 
 from dataclasses import asdict, dataclass
 from hashlib import sha256
@@ -22,8 +22,11 @@ from ..shell.errors import InputError, checking_input
 from ..shell.options import Common, Limits, check_read, options
 
 Action = Annotated[
-    Literal["read", "learn"],
-    Parameter(help="Describe the program of a file, or learn its targets from a recorded run."),
+    Literal["read", "learn", "run"],
+    Parameter(
+        help="Describe the program of a file, learn its targets from a recorded run, or run it on "
+        "the virtual robot and record that."
+    ),
 ]
 _FILE = ".mod (RAPID), .src with the .dat beside it (KRL), or .script (URScript)."
 File = Annotated[Path, Parameter(help=_FILE, validator=check_read)]
@@ -32,7 +35,7 @@ File = Annotated[Path, Parameter(help=_FILE, validator=check_read)]
 @options
 @dataclass(frozen=True, kw_only=True)
 class ProgramCfg:
-    """Options of learn."""
+    """Options of learn and run."""
 
     recording: Path | None = None
     """Recording of a run of the program: a folder with encoders.* and tracker.* or imu.*, a bag or
@@ -41,14 +44,18 @@ class ProgramCfg:
     """What is learned from: a laser tracker in the axes of the robot's base; an IMU with encoders;
     encoders alone."""
     robot: str = "large"
-    """Robot that ran it: large, irb1400, ur10, irb120, aubo_i5, or a robot file."""
+    """Robot that runs it: large, irb1400, or a robot file."""
     payload: float | None = None
     """Mass of the tool [kg] [default: as in the robot's model]. The controller knows it."""
+    individual: int | None = None
+    """Of run: number of the virtual robot in the production line [default: the design with a
+    friction of its own]."""
 
     def __post_init__(self) -> None:
         check_named(self.robot)
         if self.payload is not None:
             Limits(0.0, 1e4, "kg").check("payload", self.payload)
+        Limits(0).check("individual", self.individual)
 
 
 def program(
@@ -60,12 +67,13 @@ def program(
     of: FromCfg = FromCfg(),
     common: Common = Common(),
 ) -> None:
-    """Read a robot's program, or learn its targets from a recording of its run on any robot.
+    """Read a robot's program, learn its targets from a recording of its run, or run it.
 
     read: moves, targets, spacing, zones, speeds, blocks a second. What is not understood (loops,
     conditions, time in place of speed) is refused with line and column, and nothing is skipped.
     learn: writes the program of the next run, other numbers in it and every other byte as it was,
-    and a state that --from goes on from. FILE is always the program of the first run. See
+    and a state that --from goes on from. FILE is always the program of the first run.
+    run: what a recording of the virtual robot is, encoders.csv, tracker.csv and imu.csv. See
     docs/programs.md.
     """
     report = Report(common)
@@ -73,8 +81,14 @@ def program(
         read = read_program_file(file)
         if action == "learn":
             return _learn(report, read, file, cfg, of.start, common)
+        if action == "run":
+            if cfg.recording is not None or of.start is not None:
+                raise InputError("recording and from are of `program learn`: run makes a recording")
+            return _run(report, read, file, cfg, common)
         if cfg != ProgramCfg() or of.start is not None:
-            raise InputError("options other than --quiet and --json are of `program learn`")
+            raise InputError(
+                "options other than --quiet and --json are of `program learn` and `run`"
+            )
         found = described(read)
     outcome = summary("program", {"action": action, "file": file}, common, **found)
     report.kept(outcome, *_lines(found))
@@ -97,6 +111,8 @@ def _learn(
     from armside.sim.controller.programs.recorded_run import learned_from
     from armside.sim.recordings import read_motion
 
+    if cfg.individual is not None:
+        raise InputError("individual is of `program run`: learn knows its robot by the recording")
     if cfg.recording is None:
         raise InputError("learn needs --recording: the folder of a recording of the program's run")
     cfg, common, before = started(start, "program", cfg, common)
@@ -144,6 +160,48 @@ def _learn(
             f"changed, largest offset {1e3 * found.largest_offset:.3g} mm",
         ]
     )
+    report.results(outcome, folder.path)
+
+
+WAITS = 100
+"""Samples that a virtual robot waits before a program, as a recorder is started by hand."""
+
+
+def _run(report: Report, read: ProgramText, file: Path, cfg: ProgramCfg, common: Common) -> None:
+    """One run on the virtual robot."""
+    from armside.sim.controller.programs.own_program import ProgramCut, own_program
+    from armside.sim.instruments.imu import ImuCfg
+    from armside.sim.laser.experiment import CuttingPlant
+    from armside.sim.recordings.recorded_motion import Stream
+    from armside.sim.recordings.tables import write_motion_tables
+    from armside.sim.robot.spread import Drawn
+    from armside.sim.robot.virtual_robot import VirtualRobot
+
+    robot = None if cfg.individual is None else Drawn(cfg.individual)
+    cut = ProgramCut(
+        program=read, robot=cfg.robot, payload=cfg.payload, individual=robot, imu=ImuCfg()
+    )
+    program = own_program(cut, seed=common.seed)
+    plant, rows = program.experiment.plant, [stretch.row for stretch in program.stretches]
+    reference = program.run(rows).reference
+    reference = np.vstack([np.repeat(reference[:1], WAITS, axis=0), reference])
+    loaded = VirtualRobot(plant.loaded.model, nominal=program.controller).load(reference)
+    run = CuttingPlant(loaded, plant.tracker, plant.rng, plant.imu).run(np.zeros_like(reference))
+    imu, log = run.imu, run.recording
+    assert imu is not None
+    recording = MotionRecording(
+        name=file.stem,
+        encoders=Stream(log.time, log.motor_angle),
+        tracker=Stream(run.tracker.time, run.tracker.position),
+        imu=Stream(imu.time, np.hstack([imu.acceleration, imu.angular_velocity])),
+        form="run of a program",
+    )
+    entries = {"status": "done", "file": file, "seconds": float(log.time[-1])}
+    outcome = summary("program", {"action": "run", **asdict(cfg)}, common, **entries)
+    with RunFolder("program", seed=common.seed, out=common.out) as folder:
+        write_motion_tables((folder / "summary.json").parent, recording, "csv")
+        (folder / "summary.json").write_text(dumps(outcome), encoding="utf-8")
+    report.line(f"{file.name} on the virtual robot: {log.time[-1]:.3g} s recorded")
     report.results(outcome, folder.path)
 
 

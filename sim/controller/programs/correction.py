@@ -47,6 +47,10 @@ APART = 1.0
 """Distance of rows, so that none is followed into the next [m]."""
 SUPPORT = 0.05
 """Weight of a target on the path of the run, over the largest, from which it is moved. ESTIMATE"""
+LEAST_OF_ROW = 0.4
+"""Part of a row's targets on the path of the run, below which it is another row. ESTIMATE"""
+SPEED = 0.05
+"""Relative difference of the programmed speeds of a row and of the run."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,11 +91,15 @@ class _Placed:
     """(P,) [m], along the path; rows are `APART`."""
 
 
-def corrected(program: ProgramText, spans: Sequence[tuple[Array, Array]], R: Array) -> Corrected:
+def corrected(
+    program: ProgramText, spans: Sequence[tuple[Array, Array]], R: Array, speed: float | None = None
+) -> Corrected:
     """The program on the path of a run that is moved; its other bytes as they are.
 
     spans: of each contour, positions (N, 3) [m] of TCP0 in base axes, as programmed and as they are
-    to be. R: base to TCP0. Raises InputError or ProgramError where it does not follow the path.
+    to be. R: base to TCP0. speed: of the run, as programmed [m/s]; None is not compared.
+
+    Raises InputError or ProgramError where the program does not follow the path, or at that speed.
     """
     even = [_by_arc_length(*span) for span in spans]
     _refuse_arcs(program, np.concatenate([run for run, _ in even]), R)
@@ -108,6 +116,7 @@ def corrected(program: ProgramText, spans: Sequence[tuple[Array, Array]], R: Arr
     N, points, turns = _basis(program, placed, foot, R)
     weight = (N.T @ N).diagonal()
     known = np.flatnonzero(weight > SUPPORT * weight.max())
+    _check_rows(program, placed, points, set(known.tolist()), speed)
     offset, own = np.zeros((len(points), 3)), N[:, known]
     offset[known] = splu((own.T @ own).tocsc()).solve(own.T @ error)
     offset[np.linalg.norm(offset, axis=1) < NOTHING] = 0.0
@@ -125,6 +134,33 @@ def corrected(program: ProgramText, spans: Sequence[tuple[Array, Array]], R: Arr
         covered=float(used.mean()),
         residual=float(np.sqrt(np.mean(np.sum((error - N @ offset) ** 2, axis=1)))),
     )
+
+
+def _check_rows(
+    program: ProgramText,
+    placed: _Placed,
+    points: Sequence[Point],
+    known: set[int],
+    speed: float | None,
+) -> None:
+    """Raise InputError for a row of which the run's path has a few targets alone, or that moves at
+    another speed."""
+    index, name = {point: i for i, point in enumerate(points)}, program.program.source
+    for row in placed.rows:
+        aims = [aim for move in row.moves if (aim := program.places[move].aim) is not None]
+        own = [index[aim.point] in known for aim in aims if aim.point in index]
+        if not any(own):
+            continue
+        line = program.program.lines[row.moves[1]]
+        if sum(own) < LEAST_OF_ROW * len(aims):
+            few = f"of the {len(aims)} targets of the row from line {line} {sum(own)} lie on"
+            raise InputError(f"{name}: {few} the run's path: another part, or corrected already?")
+        moves = [program.program.move(i) for i in row.moves[1:]]
+        speeds = [move.speed.path for move in moves if move.speed.path is not None]
+        if speed and speeds and abs((median := float(np.median(speeds))) - speed) > SPEED * speed:
+            text = f"the row from line {line} moves at {1e3 * median:.4g} mm/s"
+            run = f"the run was programmed with {1e3 * speed:.4g}"
+            raise InputError(f"{name}: {text}, {run}: a correction belongs to one speed")
 
 
 def _by_arc_length(programmed: Array, goal: Array) -> tuple[Array, Array]:
@@ -248,22 +284,27 @@ def corrected_by(
     stored: StoredCorrection,
     cell: Cell,
     drives: Drives,
+    speed: float | None = None,
 ) -> Corrected:
     """The program on the path r + u of a run, u delayed and lagged as by the servo's input."""
     period, delay, lag = stored.sample_time, drives.correction_delay, drives.correction_lag
     u = correction_path(stored.correction, period, 1, delay, lag).position
     pose, r = kinematics.compile(cell.robot).pose, stored.reference
     moved, at = (pose(np.ascontiguousarray(phi))[:, :3, 3] for phi in (r + u, r))
-    return displaced(program, motion, moved - at)
+    return displaced(program, motion, moved - at, speed)
 
 
 def displaced(
-    program: ProgramText, motion: ToolMotion | PartMotion, displacement: Array
+    program: ProgramText,
+    motion: ToolMotion | PartMotion,
+    displacement: Array,
+    speed: float | None = None,
 ) -> Corrected:
-    """The program on a motion's path that is displaced by (N, 3) [m]. Raises as `corrected`."""
+    """The program on a motion's path that is displaced by (N, 3) [m]. speed, raises: as
+    `corrected`."""
     programmed, time = motion.position, motion.time
     masks = [np.ones(len(time), dtype=bool)]
     if isinstance(motion, PartMotion):
         masks = [(time >= cut.start) & (time <= cut.end) for cut in motion.cuts]
     spans = [(programmed[m], (programmed + displacement)[m]) for m in masks]
-    return corrected(program, spans, from_quaternion(motion.quaternion[0]))
+    return corrected(program, spans, from_quaternion(motion.quaternion[0]), speed)

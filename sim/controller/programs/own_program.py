@@ -205,14 +205,17 @@ class ProgramCut(Setup[ProgramMotion]):
 
 
 def fitted_rms(motion: ProgramMotion, error: Array) -> float:
-    """RMS [m] of an error across the path (N, 3) [m], its rows moved to fit as by `errors`."""
+    """RMS [m] of an error across the path (N, 3) [m] and in its plane, its rows moved to fit as by
+    `errors`."""
+    up = motion.plane.axes[:, 2]
     tangent, left = np.gradient(motion.position, axis=0), list[Array]()
     for leg in motion.learned:
         on = (motion.time >= leg.cruise[0]) & (motion.time < leg.cruise[1])
         t = tangent[on] / np.linalg.norm(tangent[on], axis=1, keepdims=True)
-        across = np.eye(3) - t[:, :, np.newaxis] * t[:, np.newaxis, :]
-        shift = np.linalg.lstsq(across.sum(axis=0), error[on].sum(axis=0), rcond=1e-6)[0]
-        left.append(error[on] - across @ shift)
+        across = np.eye(3) - np.outer(up, up) - t[:, :, np.newaxis] * t[:, np.newaxis, :]
+        e = np.einsum("kij,kj->ki", across, error[on])
+        shift = np.linalg.lstsq(across.sum(axis=0), e.sum(axis=0), rcond=1e-6)[0]
+        left.append(e - across @ shift)
     return float(np.sqrt(np.mean(np.sum(np.concatenate(left) ** 2, axis=1))))
 
 

@@ -69,6 +69,8 @@ LEAST_TURN = 0.01
 """Turn [rad] and scale of the tracker's path against that of the encoders, beyond what is left of
 the path when it is turned: the tool's own errors. ESTIMATE: 0.011 and 0.013, beside 0.028 that are
 left, on a circle of 5 mm by an individual of development."""
+SAME = 1e-6
+"""Displacement of the path from that of the run before, below which nothing was learned [m]."""
 FILTERED = 0.02
 """Before and after a beam that is lost, where filters make samples of others [s]. ESTIMATE"""
 HOLE = 0.1
@@ -409,6 +411,8 @@ def learned_from(
     if not np.isfinite(error).all():
         raise InputError(f"{last.name}: the error of the tool is not finite")
     memory, notes = None if before is None else before.memory, output.notes
+    if measure != "estimate":  # springs are those of the robot's file, which is no fault
+        notes = tuple(note for note in notes if note.cause is not Cause.IMU)
     if measure == "tracker" and not (seen := run.tracker.valid).all():
         lost = f"the laser tracker lost its beam in {100 * (1 - seen.mean()):.2g} % of the run"
         notes = (*notes, Note(cause=Cause.BEAM, text=f"{lost}: nothing is learned there"))
@@ -416,8 +420,11 @@ def learned_from(
     law.check(*error.shape)
     after, memory_after = law.step(u, error, memory)
     if memory is not None and memory_after.setbacks > memory.setbacks:
-        back = "the error had grown: the targets go back to the best run's"
+        back = "the error had grown: learning goes on from the best run, with half the step"
         notes = (*notes, Note(cause=Cause.GUARD, text=back))
+    if before is not None and np.abs(after - u).max() < SAME:
+        same = "no target is moved farther: what is left is nothing that targets mend"
+        notes = (*notes, Note(cause=Cause.PROGRAM, text=same))
     offsets = program.offsets(after)
     moves = moved_points(program, offsets)
     size = output.size(error) if before is None else before.first_size

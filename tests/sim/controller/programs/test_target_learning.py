@@ -19,7 +19,7 @@ from armside.sim.controller.programs import (
     read_program,
     rows_of,
 )
-from armside.sim.controller.programs.target_learning import across
+from armside.sim.controller.programs.target_learning import HEIGHT, across
 from armside.sim.controller.programs.tool_path import CORNERS
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.loop import measure_of
@@ -107,7 +107,7 @@ def test_a_corner_begins_and_ends_on_the_lines_and_the_quintic_has_no_jump(corne
 
 
 def test_the_error_is_that_across_the_path_and_never_at_the_same_time(program):
-    """A tool 0.4 mm behind has none, one 0.3 mm outside has that, and the plane's normal counts."""
+    """A tool 0.4 mm behind has none, one 0.3 mm outside has that, the plane's normal a share."""
     motion = program.experiment.motion
     clock = (motion.time, motion.time)
     on = motion.on_contour
@@ -117,8 +117,8 @@ def test_the_error_is_that_across_the_path_and_never_at_the_same_time(program):
     beside = centre + 1.06 * (motion.position - centre) + [0.0, 0.0, 1e-4]
     error = across(program, beside, *clock)[on]
     size = np.linalg.norm(error, axis=1)
-    np.testing.assert_allclose(size, np.hypot(3e-4, 1e-4), atol=1 * UM)
-    np.testing.assert_allclose(error[:, 2], -1e-4, atol=1 * UM)
+    np.testing.assert_allclose(size, np.hypot(3e-4, HEIGHT * 1e-4), atol=1 * UM)
+    np.testing.assert_allclose(error[:, 2], -HEIGHT * 1e-4, atol=1 * UM)
 
 
 def test_a_target_out_of_reach_is_refused_by_its_place_on_the_contour(program):
