@@ -38,10 +38,17 @@ from armside.sim.twin.simulation import design_of
 
 from ..cutting.options import OF_ROBOT, IndividualCfg, robot_state
 from ..shell.console import Report, run_folder
-from ..shell.errors import checking_input, needs
-from ..shell.options import SEVERAL, Common, FileToRead, Limits, check_limits, options
+from ..shell.errors import InputError, checking_input, needs
+from ..shell.options import (
+    SEVERAL,
+    Common,
+    FileToRead,
+    Limits,
+    check_limits,
+    options,
+)
 
-_SHEET = Limits(60.0, 2000.0, "mm")
+_SHEET = Limits(60.0, 420.0, "mm")  # the longer side of A3, of large flatbed scanners
 
 
 @options
@@ -66,8 +73,9 @@ class CommissionCfg(IndividualCfg):
     coupon: FileToRead = None
     """Scan of the coupon (PNG, TIFF), beside the plan that --coupon-sheet has written and the
     records of its cuts. With --measure imu or scan."""
-    scanner: FileToRead = None
-    """scanner.json of `armside scan calibrate` [default: the scanner is not calibrated]."""
+    scanner: Path | None = None
+    """scanner.json of `armside scan calibrate`, or its folder [default: the scanner is not
+    calibrated]."""
     coupon_sheet: Path | None = None
     """Only write the coupon into this new folder: coupon.dxf and its plan. Of a virtual individual
     also the records of its cuts, and the scan."""
@@ -147,6 +155,8 @@ def _write_coupon(report: Report, cfg: CommissionCfg, folder: Path, seed: int) -
     sheet = (cfg.sheet[0] * MM, cfg.sheet[1] * MM)
     with checking_input(), needs("scan", "commission --coupon-sheet", "ezdxf"):
         coupon(sheet)
+        if folder.exists():
+            raise InputError(f"{folder} exists: give a folder that is new")
         folder.mkdir(parents=True)
         write_drawing(folder, sheet)
     if cfg.individual is not None:

@@ -12,15 +12,16 @@ from armside.sim.laser.results import results
 from armside.sim.records.run_folder import RunFolder
 from armside.sim.records.summary import dumps, summary
 
+from ..cutting.coupon import draw_part
 from ..cutting.cut_run import fail_unless_done, ready
 from ..cutting.earlier import FromCfg, save_state, started
 from ..cutting.forecast_option import ForecastCfg, entries, foreseen, show_forecast
 from ..cutting.part_options import CutCfg, drawing, part_cut
 from ..cutting.part_program import Learner, write_program
-from ..cutting.part_scan import PartScanCfg, Taught, taught
+from ..cutting.part_scan import DRAWN, PartScanCfg, Taught, taught
 from ..figures.part_results import show_plan, show_results, write_plan, write_results
 from ..shell.console import Report
-from ..shell.errors import checking_input
+from ..shell.errors import checking_input, needs
 from ..shell.options import Common, FileToRead
 
 Drawing = Annotated[FileToRead, Parameter(help="The drawing.")]
@@ -91,6 +92,9 @@ def cut(
                     folder, what, cfg, learner, ends[-1]
                 )
                 of_twin = [*of_twin, *held]
+            if seen.draw_scan:
+                with needs("scan", "armside cut --draw-scan", "scikit-image"):
+                    draw_part(folder / DRAWN, made.experiment, ends[-1].run, common.seed)
             ahead_of_it, warned = entries(forecast, cfg)
             notes = [*warned, *found["notes"], *of_twin]
             found |= about | ahead_of_it | started_from | {"notes": notes}

@@ -75,7 +75,7 @@ def scan(
     cfg: ScanCfg = ScanCfg(),
     common: Common = Common(),
 ) -> None:
-    """See what a robot cut by a scan of the sheet: PNG or TIFF, grey or colour, 600 dpi or more.
+    """See what a robot cut by a scan of the sheet: PNG or TIFF, grey or colour, 500 dpi or more.
 
     images: of `calibrate` one or more scans of a grid, turned by some degrees; of `read` one scan.
     calibrate writes scanner.json; read deviation.csv and scan.png. See docs/scan.md.
@@ -150,8 +150,7 @@ def _read(file: Path, cfg: ScanCfg, common: Common, report: Report) -> None:
     with checking_input():
         calibration = None
         if cfg.scanner is not None:
-            folder = cfg.scanner
-            calibration = read_calibration(folder / SCANNER if folder.is_dir() else folder)
+            calibration = read_calibration(cfg.scanner)
         try:
             unit = None if cfg.units is None else Unit(cfg.units)
             drawing = read_drawing(
@@ -170,12 +169,12 @@ def _read(file: Path, cfg: ScanCfg, common: Common, report: Report) -> None:
     notes = [*drawing.notes, *(note.text for note in found.notes)]
     entries = described(found, drawing.contours)
     given = {"action": "read", "image": file, "drawn": "edge", **_given(cfg)}
-    what = "the beam" if cfg.drawn == "beam" else "the edge"
+    what = "beam" if cfg.drawn == "beam" else "edge"
     outcome = summary("scan", given, common, **entries, notes=notes)
     with run_folder(outcome, common) as folder:
         (folder / "deviation.csv").write_text(table_of(found), encoding="utf-8")
-        title = f"{file.name}: where {what} lies beside {cfg.contours.name}"
-        scan_map(folder / "scan.png", found, drawing.contours, title)
+        title = f"{file.name}: where the {what} lies beside {cfg.contours.name}"
+        scan_map(folder / "scan.png", found, drawing.contours, title, what)
     head = ["contour", "length [mm]", "size error [µm]", "max [µm]", "RMS [µm]", "noise [µm]"]
     names = ("size_error", "max", "rms", "noise")
     rows = [
@@ -183,7 +182,7 @@ def _read(file: Path, cfg: ScanCfg, common: Common, report: Report) -> None:
         for of in entries["contours"]
     ]
     missing = "an open cut has no size"
-    title = f"Deviation across each contour: {what} from where it is drawn (--drawn)"
+    title = f"Deviation across each contour: the {what} from where it is drawn (--drawn)"
     report.table(title, head, rows, missing=missing)
     report.notes(notes)
     report.results(outcome, folder.path)

@@ -9,14 +9,17 @@ from typing import Any
 import numpy as np
 
 from armside.arrays import Array
-from armside.sim.laser.experiment import Pass, prepare
+from armside.sim.laser.experiment import Experiment, Pass, prepare
+from armside.sim.laser.scan_measure import places
 from armside.sim.motion.contour import Circle
 from armside.sim.notes import Note
 from armside.sim.part.arcs import MM
+from armside.sim.part.motion import PartMotion
 from armside.sim.records.files import InputError, check_file
+from armside.sim.scan.image import enclosed
 from armside.sim.scan.reading import SheetScan
 from armside.sim.scan.virtual_reading import BeamPath, placement
-from armside.sim.twin.coupon import PLACE, beam_path, coupon, coupon_cut, drawing, scanned
+from armside.sim.twin.coupon import PLACE, SHEET, beam_path, coupon, coupon_cut, drawing, scanned
 from armside.sim.twin.recordings import MeasuredCut, read_cut
 
 DRAWING, PLAN, SCAN, GRID = "coupon.dxf", "coupon.json", "scan.png", "grid.png"
@@ -100,10 +103,7 @@ def cut_coupon(
 def _save_scans(
     folder: Path, sheet: tuple[float, float], paths: dict[str, BeamPath], seed: int
 ) -> None:
-    from PIL import Image
-
-    from armside.sim.scan.virtual import Process, Sheet, drawn_scanner, grid
-    from armside.sim.scan.virtual import scanned as image_of
+    from armside.sim.scan.virtual import Process, Sheet, grid
 
     rng, process = np.random.default_rng(seed), Process()
     _, pose = placement([(one.curve, one.middle, one.path) for one in paths.values()])
@@ -118,25 +118,70 @@ def _save_scans(
         regions.append((edge, False))
     size = sheet[0] + _MARGIN, sheet[1] + _MARGIN
     place = 0.5 * size[0], 0.5 * size[1], float(rng.uniform(-0.02, 0.02))
-    scanner = drawn_scanner(rng, dpi=_DPI)
     cells = round(sheet[0] / _PITCH), round(size[1] / _PITCH)
     c, s = np.cos(_TURNED), np.sin(_TURNED)
     x, y = 0.5 * np.array(size) - 0.5 * _PITCH * np.array([[c, -s], [s, c]]) @ cells
-    scans = {
-        SCAN: (Sheet(regions=regions), place),
-        GRID: (grid(_PITCH, cells), (float(x), float(y), _TURNED)),
-    }
-    for name, (seen, at) in scans.items():
-        found = image_of(seen, scanner, size, rng, place=at)
-        Image.fromarray(found.grey).save(folder / name, dpi=found.dpi)
+    _save(folder / SCAN, Sheet(regions=regions), place, size, seed, rng)
+    _save(folder / GRID, grid(_PITCH, cells), (float(x), float(y), _TURNED), size, seed, rng)
 
 
-def _dense(path: Array) -> Array:
-    """Points (N, 2) [m] of a closed path, `_SPACING` apart."""
-    closed = np.vstack([path, path[:1]])
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
+def _save(
+    file: Path,
+    sheet: Any,
+    place: tuple[float, float, float],
+    size: tuple[float, float],
+    seed: int,
+    rng: np.random.Generator,
+) -> None:
+    """The scan of a sheet on the scanner of a seed."""
+    from PIL import Image
+
+    from armside.sim.scan.virtual import drawn_scanner
+    from armside.sim.scan.virtual import scanned as image_of
+
+    scanner = drawn_scanner(np.random.default_rng([seed, 0x5CA]), dpi=_DPI)
+    found = image_of(sheet, scanner, size, rng, place=place)
+    Image.fromarray(found.grey).save(file, dpi=found.dpi)
+
+
+def draw_part(file: Path, experiment: Experiment[PartMotion], run: Pass, seed: int) -> None:
+    """The scan of a virtual part on that scanner, an area as large as a coupon's.
+
+    Raises InputError for a part that does not fit into it.
+    """
+    from armside.sim.laser.part_scan import pieces
+    from armside.sim.scan.virtual import Process, Sheet
+
+    (time, position), own = run.true, pieces(experiment)
+    rng, process = np.random.default_rng([seed, 1]), Process()
+    regions, beams = list[tuple[Array, bool]](), list[Array]()
+    for one, cut in zip(places(experiment), experiment.motion.cuts, strict=True):
+        on, piece = (time >= one.begin) & (time < one.end), one.name in own
+        path = _dense(experiment.cut.plane.from_base(position[on])[:, :2], closed=cut.turn.closed)
+        beams.append(path)
+        if not cut.turn.closed:
+            regions.append((process.kerf(path, rng), False))
+            continue
+        path = path if enclosed(path)[0] > 0.0 else path[::-1]
+        regions.append((process.edge(path, -1 if piece else 1, rng), piece))
+    points = np.vstack(beams)
+    size = SHEET[0] + _MARGIN, SHEET[1] + _MARGIN
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    if (np.ptp(points, axis=0) > np.array(SHEET)).any():
+        most = " by ".join(f"{1e3 * side:g}" for side in SHEET)
+        raise InputError(f"the part is larger than {most} mm, which are scanned")
+    x, y = 0.5 * np.array(size) - middle
+    regions.sort(key=lambda each: not each[1])  # the material first, then its holes
+    seen = Sheet(regions=regions, everywhere=not own)
+    _save(file, seen, (float(x), float(y), float(rng.uniform(-0.02, 0.02))), size, seed, rng)
+
+
+def _dense(path: Array, *, closed: bool = True) -> Array:
+    """Points (N, 2) [m] of a path, `_SPACING` apart."""
+    ends = np.vstack([path, path[:1]]) if closed else path
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(ends, axis=0), axis=1))])
     at = np.arange(0.0, along[-1], _SPACING)
-    return np.column_stack([np.interp(at, along, column) for column in closed.T])
+    return np.column_stack([np.interp(at, along, column) for column in ends.T])
 
 
 def read_coupon(scan: Path, scanner: Path | None) -> tuple[list[MeasuredCut], list[Note]]:
@@ -155,6 +200,9 @@ def read_coupon(scan: Path, scanner: Path | None) -> tuple[list[MeasuredCut], li
         raise InputError(f"{plan} is no plan of a coupon: {error}") from error
     contours, seen = coupon((wide, high)), _read_scan(scan, scanner, (wide, high))
     cuts = list[MeasuredCut]()
+    if missing := [name for name in contours if not (scan.parent / name).exists()]:
+        where = f"{scan.parent} has no record of the cut of {missing[0]}"
+        raise InputError(f"{where}: a folder or table of that name beside the scan (docs/scan.md)")
     for name, one in contours.items():
         log = read_cut(scan.parent / name, "scan")
         experiment = prepare(coupon_cut(one), seed=0)

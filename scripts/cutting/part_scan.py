@@ -4,6 +4,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from hashlib import sha256
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     from .part_options import CutCfg
     from .part_program import Learner
 
+DRAWN = "part-scan.png"
+"""A virtual scan."""
 SCANS = "scans.json"
 """The first scan of a part, and digests of all."""
 _FREE = {"measure", "iterations"}
@@ -40,8 +43,11 @@ class PartScanCfg:
     scan: FileToRead = None
     """Scan of the part that your robot cut with the correction of --from, or without any. One
     update is made of it, and the virtual robot runs once: see docs/scan.md."""
-    scanner: FileToRead = None
-    """scanner.json of `armside scan calibrate` [default: the scanner is not calibrated]."""
+    scanner: Path | None = None
+    """scanner.json of `armside scan calibrate`, or its folder [default: the scanner is not
+    calibrated]."""
+    draw_scan: bool = False
+    """Write part-scan.png: a virtual scan of the part that the virtual robot cut last."""
 
     def __post_init__(self) -> None:
         if self.scanner is not None and self.scan is None:

@@ -19,8 +19,15 @@ LONGEST = 0.06
 """Length of the largest deviation over the size of the sheet."""
 
 
-def scan_map(file: Path, scan: SheetScan, drawing: Mapping[str, ClosedCurve], title: str) -> None:
-    """Contours as drawn, in grey, and beside them the beam's deviation, magnified and coloured."""
+def scan_map(
+    file: Path,
+    scan: SheetScan,
+    drawing: Mapping[str, ClosedCurve],
+    title: str,
+    what: str = "beam",
+) -> None:
+    """Contours as drawn, in grey, and beside them the deviation of the beam, or what else it is of,
+    magnified and coloured."""
     drawn = {
         name: curve.point(np.linspace(0.0, curve.length * (1.0 - 1e-9), 800))
         for name, curve in drawing.items()
@@ -64,5 +71,5 @@ def scan_map(file: Path, scan: SheetScan, drawing: Mapping[str, ClosedCurve], ti
             fontsize=8,
             color=INK,
         )
-        label = "beam beside the drawn contour, outwards positive [µm]"
+        label = f"{what} beside the drawn contour, outwards positive [µm]"
         axes.figure.colorbar(axes.collections[0], ax=axes, label=label, shrink=0.8)

@@ -116,7 +116,7 @@ def updated(
     u, begun, memory = before.loop.correction, before.start, before.loop.memory
     known = KnownScan(scan=first)
     set_up = set_up_of(ScannedPart(scans=known, stiffness_error=0.0))
-    output: Any = set_up(plant.run(u if begun is None else begun))
+    output: Any = set_up(plant.run(np.zeros_like(u) if begun is None else begun))
     law = loop_law(output.law, output, experiment, begun)
     known.scan = last
     error = output.reference - output(plant.run(u))

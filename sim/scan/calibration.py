@@ -91,11 +91,15 @@ class Calibration:
 FIELDS = ("matrix", "y", "wobble", "area", "residual", "scale")
 
 
+FILE = "scanner.json"
+
+
 def read_calibration(file: Path) -> Calibration:
-    """Calibration of a file that `Calibration.as_json` was written to.
+    """Calibration of a file that `Calibration.as_json` was written to, or of the folder with it.
 
     Raises ValueError for any other file.
     """
+    file = file / FILE if file.is_dir() else file
     check_file(file)
     with reading(file):
         data = json.loads(file.read_text(encoding="utf-8"))
