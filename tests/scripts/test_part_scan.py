@@ -45,4 +45,3 @@ def test_a_part_is_cut_scanned_and_cut_better(tmp_path, monkeypatch, bad_input):
     assert second["scan"]["rms"] < 0.5 * seen
     kept = json.loads((tmp_path / "run2/scans.json").read_text(encoding="utf-8"))
     assert len(kept["digests"]) == 2
-    exported = ran(tmp_path / "exported", "export run2")  # for a controller

@@ -99,7 +99,7 @@ def test_an_update_by_hand_is_that_of_the_loop(experiment, as_program):
     after = next(steps)
     cut, motion = experiment.cut, experiment.motion
     true = cut.errors(motion, *plant.run(found.state.loop.correction).true)
-    assert cut.whole(motion, true).rms == pytest.approx(after.tool_true.rms, rel=0.1)
+    assert cut.whole(motion, true).rms == pytest.approx(after.tool_true.rms, rel=0.25)
     assert found.state.loop.k == 1
     assert after.tool_true.rms < 0.35 * before.tool_true.rms
     if not as_program:
