@@ -27,7 +27,7 @@ OF = {"input", "text", "count", "truth"}
 """What needs no unit."""
 ONLY_THEN = {
     "laser": ("limits_hit.", "notes.", "started_from.", "predicted.", "twin.", "forecast."),
-    "cut": ("limits_hit.", "notes.", "started_from.", "predicted.", "twin.", "forecast."),
+    "cut": ("limits_hit.", "notes.", "started_from.", "predicted.", "twin.", "forecast.", "scan."),
     "measure": ("notes.",),
     "export": ("notes.",),
     "learn": ("notes.", "eigenloci.", "laws.arm", "laws.predicted", "k"),

@@ -224,7 +224,7 @@ class Simulated(FirstOrderLaw):
     weight: tuple[float, ...]
     """(n,), weights of the columns in the size of a residual: the largest magnitude."""
     by_rms: bool = False
-    """The size of a residual is its RMS: where the largest value, in a corner, may grow at first."""
+    """The size of a residual is its RMS: the largest value, in a corner, may grow at first."""
     passes: int = 12
     """Most passes on the simulated plant before each run."""
 

@@ -31,6 +31,12 @@ def test_a_part_is_cut_scanned_and_cut_better(tmp_path, monkeypatch, bad_input):
     assert [each["contour"] for each in found["scan"]["contours"]] == [
         each["name"] for each in first["contours"]
     ]
+    deviations = [each["rms"] for each in found["scan"]["contours"]]
+    own = [each["iterations"][0]["arm_rms_true"] for each in first["contours"]]
+    assert deviations == pytest.approx(own, rel=0.35)  # one place of the sheet, not of each contour
+    most = [each["iterations"][0]["arm_maxdev_true"] for each in first["contours"]]
+    assert [each["max"] for each in found["scan"]["contours"]] == pytest.approx(most, rel=0.35)
+    assert all(3e-6 < each["noise"] < 3e-5 for each in found["scan"]["contours"])
     assert any("not calibrated" in note["text"] for note in found["notes"])
     with Image.open(tmp_path / "run1/scan.png") as picture:
         assert picture.size[0] > 600

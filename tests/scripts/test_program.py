@@ -180,3 +180,35 @@ def test_the_entries_of_a_program_are_those_of_chords_of_its_circle(place, tmp_p
     assert entry["targets"] >= 2 * 3.1416 * 3
     assert entry["blocks_per_second"] >= 50.0
     assert 0.0 < entry["chord_error"] < 1e-3**2 / (8 * 3e-3)
+
+
+def test_export_refuses_another_speed_a_corrected_program_and_to_write_over(
+    place, tmp_path, bad_input
+):
+    slow = (place / "plan/armside.mod").read_text(encoding="latin-1")
+    speed = "[100,"
+    assert slow.count(speed) == 1
+    (tmp_path / "slow.mod").write_text(slow.replace(speed, "[40,"), encoding="latin-1")
+    said = "moves at 40 mm/s, the run was programmed with 100: a correction belongs to one speed"
+    bad_input(f"export {place / 'run'} --into slow.mod", said)
+    (tmp_path / "own.mod").write_text(slow, encoding="latin-1")
+    (tmp_path / "own-corrected.mod").write_text("mine", encoding="latin-1")
+    bad_input(f"export {place / 'run'} --into own.mod", "own-corrected.mod exists: give a --file")
+
+
+def test_run_records_a_program_on_the_virtual_robot_as_learn_takes_it(
+    place, tmp_path, summary_of, bad_input
+):
+    """The recorded error is that of the part's own run; an individual is of run alone."""
+    file = place / "plan/armside.mod"
+    found = summary_of(f"program run {file} --individual 7 --out run0")
+    assert found["seconds"] > 1.0
+    names = {each.name for each in (tmp_path / "run0").iterdir()}
+    assert names == {"encoders.csv", "tracker.csv", "imu.csv", "summary.json"}
+    learned = summary_of(f"program learn {file} --recording run0 --out learned0")
+    assert 1e-4 < learned["rms"] < 1e-3
+    assert learned["changed"] > 5
+    assert not any(note["cause"] == "imu" for note in learned["notes"])
+    line = f"program learn {file} --recording run0 --individual 7"
+    bad_input(line, "individual is of `program run`")
+    bad_input(f"program run {file} --recording run0", "are of `program learn`")
