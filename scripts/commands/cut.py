@@ -18,8 +18,9 @@ from ..cutting.earlier import FromCfg, save_state, started
 from ..cutting.forecast_option import ForecastCfg, entries, foreseen, show_forecast
 from ..cutting.part_options import CutCfg, drawing, part_cut
 from ..cutting.part_program import Learner, write_program
-from ..cutting.part_scan import DRAWN, PartScanCfg, Taught, taught
+from ..cutting.part_scan import DRAWN, SCANS, PartScanCfg, Taught, taught
 from ..figures.part_results import show_plan, show_results, write_plan, write_results
+from ..figures.scan import scan_map
 from ..shell.console import Report
 from ..shell.errors import checking_input, needs
 from ..shell.options import Common, FileToRead
@@ -85,7 +86,9 @@ def cut(
             save_state(folder, by_scan.state if by_scan else ends[-1].state)
             started_from, of_twin = made.entries()
             if by_scan is not None:
-                by_scan.write(folder)
+                (folder / SCANS).write_text(dumps(by_scan.kept), encoding="utf-8")
+                title = f"Part of k = {by_scan.entries['k']}: the beam beside its path"
+                scan_map(folder / "scan.png", by_scan.scan, by_scan.drawing, title)
                 started_from["scan"], of_twin = by_scan.entries, [*by_scan.notes]
             if learner is not None and found["status"] == "done":
                 lines, started_from["program"], held = write_program(

@@ -12,8 +12,6 @@ import numpy as np
 from armside.ilc.learning import LoopState
 from armside.ilc.workbench.compare import RunState
 from armside.sim.records.files import check_file, reading
-from armside.sim.records.run_folder import RunFolder
-from armside.sim.records.summary import dumps
 
 from ..shell.console import Report
 from ..shell.errors import InputError, needs
@@ -75,14 +73,6 @@ class Taught:
     scan: "SheetScan" = field(repr=False)
     drawing: "Mapping[str, ClosedCurve]" = field(repr=False)
     notes: tuple[Any, ...] = ()
-
-    def write(self, folder: RunFolder) -> None:
-        """The scans, and a picture of this one."""
-        from ..figures.scan import scan_map
-
-        (folder / SCANS).write_text(dumps(self.kept), encoding="utf-8")
-        title = f"Part of k = {self.entries['k']}: the beam beside its path"
-        scan_map(folder / "scan.png", self.scan, self.drawing, title)
 
     def show(self, report: Report) -> None:
         """Table of its contours."""
