@@ -11,7 +11,7 @@ from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.results import pass_notes
 from armside.sim.motion.tool_motion import motion_notes
-from armside.sim.notes import Note, Tally, counted
+from armside.sim.notes import Cause, Note, Tally, counted
 from armside.sim.part.arcs import MM
 from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
@@ -128,14 +128,34 @@ def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common(
         found = commissioning.commission(
             recorded, robot=cfg.robot, payload=cfg.payload, measure=cfg.measure, progress=step
         )
-    outcome = summary("commission", cfg, common, notes=notes, **_results(found))
+    results = _results(found)
+    by: list[SensorName] = [sensor_of(cut, cfg.measure) for cut in recorded]
+    notes = [*notes, *_suspicious(results["cuts"], by)]
+    outcome = summary("commission", cfg, common, notes=notes, **results)
     with run_folder(outcome, common) as folder:
         found.twin.save((folder / "summary.json").parent)
         figures.friction(folder / "friction.png", found, recorded)
         figures.residuals(folder / "residuals.png", found, recorded)
     report.notes(notes)
-    _show(report, outcome, [sensor_of(cut, cfg.measure) for cut in recorded])
+    _show(report, outcome, by)
     report.results(outcome, folder.path)
+
+
+def _suspicious(cuts: Sequence[dict[str, Any]], by: Sequence[SensorName]) -> list[Note]:
+    """Notes on a sensor most of whose cuts a twin of the others does not explain."""
+    found = list[Note]()
+    for name in dict.fromkeys(by):
+        sensor = SENSORS[name]
+        own = zip(cuts, by, strict=True)
+        left = [c["held_out"] for c, seen in own if seen == name and c["held_out"] is not None]
+        usual = float(np.median(left)) if left else 0.0
+        if usual > sensor.unsuspicious:
+            text = (
+                f"a twin of the other cuts leaves {sensor.factor * usual:.3g} {sensor.unit} of the "
+                f"{sensor.quantity}: are all cuts of one robot with one tool?"
+            )
+            found.append(Note(cause=Cause.TWIN, text=text))
+    return found
 
 
 def _of_coupon(cfg: CommissionCfg) -> tuple[list[MeasuredCut], list[Note]]:

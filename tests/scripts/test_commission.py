@@ -268,3 +268,13 @@ def test_a_scanned_coupon_makes_a_twin(coupon, summary_of, one_step_commissionin
     assert [cut["name"] for cut in of_imu] == (["cut-1"] if "imu" in measure else [])
     assert circle["name"] == "circle-cw"
     assert circle["within"] < 20e-6
+
+
+def test_cuts_that_no_one_robot_explains_are_noted():
+    """An IMU of one robot beside the coupon of another: held out 7 times its noise, seen."""
+    cuts = [{"held_out": out} for out in (7.0, 6e-6, 9e-6)]
+    (note,) = command._suspicious(cuts, ["imu", "scan", "scan"])
+    assert "are all cuts of one robot with one tool?" in note.text
+    assert "leaves 7 " in note.text
+    assert command._suspicious([{"held_out": None}, *cuts[1:]], ["imu", "scan", "scan"]) == []
+    assert command._suspicious([{"held_out": 1.1}], ["imu"]) == []
