@@ -96,8 +96,8 @@ def fit_first_order(
     found, bounds = [], (0.0, _SLOWEST)
     for delay in delays:
         search = minimize_scalar(squared_error, args=(delay,), bounds=bounds, method="bounded")
-        pole = float(search.x)  # type: ignore[attr-defined]
-        found.append((squared_error(pole, delay), delay, pole))
+        inside = float(search.x)  # type: ignore[attr-defined]
+        found += [(squared_error(pole, delay), delay, pole) for pole in (inside, *bounds)]
     if not found:
         raise ValueError("delays must not be empty")
     error, delay, pole = min(found, key=lambda each: each[0])

@@ -25,7 +25,7 @@ from ..shell.console import Report
 from ..shell.errors import checking_input, needs
 from ..shell.options import Common, FileToRead
 
-Drawing = Annotated[FileToRead, Parameter(help="The drawing.")]
+Drawing = Annotated[FileToRead, Parameter(help="The drawing: .dxf, .svg, .toml; not with --from.")]
 
 
 def cut(
@@ -38,10 +38,10 @@ def cut(
     ahead: ForecastCfg = ForecastCfg(),
     common: Common = Common(),
 ) -> None:
-    """Cut a whole part from a drawing (.dxf, .svg, .toml) and learn all its contours at once.
+    """Cut a whole part from a drawing and learn all its contours at once.
 
-    Writes summary.json, plan.png and, unless --plan-only, part.png, errors.png, signals.parquet of
-    the first and last run, replay.rrd and state.npz (for --from, which needs no drawing).
+    Writes summary.json, plan.png and, of runs, part.png, errors.png, signals.parquet of the first
+    and last, replay.rrd and state.npz (for --from).
     """
     report, made, learner, lines = Report(common), None, None, list[str]()
     forecast: Any = None

@@ -86,7 +86,7 @@ class CutCfg(KnownGearsCfg):
     """Largest distance of its targets [mm]. auto: speed over twice the pass band of learning
     from the tool, and half of the smallest radius."""
     robot: str = "large"
-    """large, irb1400, or a robot file (.toml) of six axes."""
+    """large, irb1400, or a robot file (.toml). Of six axes."""
     model: FileToRead = None
     """MJCF file to use in place of that robot's own."""
     payload: float | None = None

@@ -39,13 +39,13 @@ class PartScanCfg:
     """A part of yours that was cut and scanned."""
 
     scan: FileToRead = None
-    """Scan of the part that your robot cut with the correction of --from, or without any. One
-    update is made of it, and the virtual robot runs once: see docs/scan.md."""
+    """Scan of a part of yours. Cut with the correction of --from, or without any: one update is
+    made of it, and the virtual robot runs once. See docs/scan.md."""
     scanner: Path | None = None
-    """scanner.json of `armside scan calibrate`, or its folder [default: the scanner is not
-    calibrated]."""
+    """Calibration of its scanner. scanner.json of `armside scan calibrate`, or the folder; without
+    one the scanner is not calibrated."""
     draw_scan: bool = False
-    """Write part-scan.png: a virtual scan of the part that the virtual robot cut last."""
+    """Draw a virtual scan of the last part. Of the virtual robot, in part-scan.png."""
 
     def __post_init__(self) -> None:
         if self.scanner is not None and self.scan is None:

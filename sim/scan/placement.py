@@ -19,8 +19,8 @@ STEP = 1e-3
 """Distance of the points that stand for a contour in the search [m]."""
 SIMILAR = 0.12
 """Relative difference of area within which an outline may be a contour."""
-WIDER = 0.35e-3
-"""Or the offset of its edge, by a wider beam or the robot: a small hole was seen 0.3 mm off [m]."""
+WIDER = 0.15e-3
+"""Or the offset of its edge, as by a wider beam [m]."""
 STRETCHED = 0.012
 """Relative difference of distances, twice the 0.6 % that a cheap scanner was found off by."""
 LOOSE = 1.0e-3

@@ -10,8 +10,8 @@ from armside.scripts.cutting import coupon
 from .ran import ran
 
 PLATE = """<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="30mm" viewBox="0 0 40 30">
-<g fill="none" stroke="black"><path d="M8 5h24v20h-24z"/><circle cx="14" cy="11" r="3.5"/>
-<path d="M20 14h8v7h-8z"/></g></svg>"""
+<g fill="none" stroke="black"><path d="M8 5h24v20h-24z"/><circle cx="14" cy="11" r="4"/>
+<path d="M19 12h10v9h-10z"/></g></svg>"""
 CUT = "plate.svg --speed 40 --corner 2 --pose p2 --measure scan"
 BED = (0.030, 0.026)
 """[m], scanned; a coupon's is an A4's."""

@@ -18,8 +18,8 @@ from armside.sim.part.part import read_part
 from armside.sim.part.plan import Cutting
 
 DRAWING = """<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="30mm" viewBox="0 0 40 30">
-<g fill="none" stroke="black"><path d="M8 5h24v20h-24z"/><circle cx="14" cy="11" r="3.5"/>
-<path d="M20 14h8v7h-8z"/></g></svg>
+<g fill="none" stroke="black"><path d="M8 5h24v20h-24z"/><circle cx="14" cy="11" r="4"/>
+<path d="M19 12h10v9h-10z"/></g></svg>
 """
 
 
