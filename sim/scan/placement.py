@@ -112,15 +112,15 @@ class Pose:
         return Pose(self.x + x, self.y + y, self.angle + angle, self.mirrored)
 
 
-def located(drawn: Sequence[DrawnContour], found: Sequence[Outline]) -> Pose:
-    """Placement of all closed contours on the outlines of an image.
+def located(drawn: Sequence[DrawnContour], found: Sequence[Outline], wider: float = WIDER) -> Pose:
+    """Placement of all closed contours on the outlines of an image. wider: as `WIDER` [m].
 
     Raises ValueError if a contour is not found, or if two placements are as good.
     """
     closed = [contour for contour in drawn if contour.seen is not Seen.KERF]
     if not closed:
         raise ValueError("the drawing has no closed contour, by which a sheet is placed")
-    like = [_like(contour, found) for contour in closed]
+    like = [_like(contour, found, wider) for contour in closed]
     for contour, of in zip(closed, like, strict=True):
         if not of:
             raise ValueError(f"nothing in it is as large as {contour.name}: cropped, or another")
@@ -150,10 +150,10 @@ def located(drawn: Sequence[DrawnContour], found: Sequence[Outline]) -> Pose:
     return best
 
 
-def _like(contour: DrawnContour, found: Sequence[Outline]) -> list[Outline]:
+def _like(contour: DrawnContour, found: Sequence[Outline], wider: float) -> list[Outline]:
     """Outlines of its area, the nearest in area first."""
     area = contour.area_and_middle[0]
-    largest = max(SIMILAR * area, WIDER * contour.curve.length)
+    largest = max(SIMILAR * area, wider * contour.curve.length)
     off = [(abs(outline.area - area), i) for i, outline in enumerate(found)]
     return [found[i] for difference, i in sorted(off) if difference < largest]
 

@@ -17,6 +17,7 @@ from .image import BLURRED, WHITE, WINDOW, Edge, ScanImage, edge_near, kerf_near
 from .placement import (
     FARTHEST,
     FOUND,
+    WIDER,
     DrawnContour,
     Pose,
     Seen,
@@ -107,6 +108,7 @@ def read_scan(
     calibration: Calibration | None = None,
     beam: float | None = None,
     edges: bool = False,
+    wider: float = WIDER,
 ) -> SheetScan:
     """Deviation of the beam across each contour of a drawing, from an image of the cut sheet.
 
@@ -116,12 +118,13 @@ def read_scan(
     beam: diameter [m]; None takes it from the open kerfs, or `BEAM` if there is none.
     edges: a closed contour is drawn as the edge that is wanted, as of a part whose path runs half
         a beam beside it, and deviations are the edge's; else as the middle of the beam.
+    wider: offset of a whole edge by which an outline may still be a contour [m].
 
     Raises ValueError, in one line, for an image that is not such a sheet, as a whole and sharp.
     """
     try:
         drawn = _drawn(drawing, pieces)
-        return _read(image, drawn, calibration, beam, edges)
+        return _read(image, drawn, calibration, beam, edges, wider)
     except ValueError as error:
         raise ValueError(f"{image.name}: {str(error).removeprefix(f'{image.name}: ')}") from error
 
@@ -143,13 +146,14 @@ def _read(
     calibration: Calibration | None,
     beam: float | None,
     edges: bool,
+    wider: float,
 ) -> SheetScan:
     if calibration is not None:
         calibration.check(image)
     closed = [contour for contour in drawn if contour.seen is not Seen.KERF]
     shortest = 0.7 * min((contour.curve.length for contour in closed), default=0.0)
     found = outlines(image, shortest)
-    pose = located(drawn, found)
+    pose = located(drawn, found, wider)
     own = {contour.name: own_outline(pose, contour, found) for contour in closed}
     shifts = [shift(pose, contour, own[contour.name]) for contour in closed]
     notes = list[str]()
