@@ -26,7 +26,6 @@ from .loop import loop_law
 from .measures import SetUp
 from .scan_measure import Place, ScannedPart, places
 
-
 UNCORRECTED = 0.35e-3
 """Offset of a whole edge that a robot without correction may leave [m]. ESTIMATE: 0.25 mm were seen
 around a small hole by the large robot. A drawing that is not looked for by its robot has less."""

@@ -230,8 +230,10 @@ def rigid_step(lever: Array, normal: Array, off: Array) -> Array:
     return step / np.array([1.0, 1.0, size])
 
 
-def own_outline(pose: Pose, contour: DrawnContour, found: Sequence[Outline]) -> Outline:
-    """The outline of its area that lies nearest to a closed contour."""
+def own_outline(
+    pose: Pose, contour: DrawnContour, found: Sequence[Outline], wider: float = WIDER
+) -> Outline:
+    """The outline of its area that lies nearest to a closed contour. wider: as `WIDER` [m]."""
 
     def apart(outline: Outline) -> float:
         distance = np.sort(KDTree(outline.points).query(at)[0])
@@ -239,7 +241,7 @@ def own_outline(pose: Pose, contour: DrawnContour, found: Sequence[Outline]) -> 
 
     at = pose.to_image(contour.coarse[0])
     middle = at.mean(axis=0)
-    like = _like(contour, found)
+    like = _like(contour, found, wider)
     like.sort(key=lambda outline: float(np.linalg.norm(outline.middle - middle)))
     return min(like[:4], key=apart)
 

@@ -154,7 +154,7 @@ def _read(
     shortest = 0.7 * min((contour.curve.length for contour in closed), default=0.0)
     found = outlines(image, shortest)
     pose = located(drawn, found, wider)
-    own = {contour.name: own_outline(pose, contour, found) for contour in closed}
+    own = {contour.name: own_outline(pose, contour, found, wider) for contour in closed}
     shifts = [shift(pose, contour, own[contour.name]) for contour in closed]
     notes = list[str]()
     if pose.mirrored:
