@@ -30,7 +30,6 @@ LIMITS = {
     "dpi": Limits(500.0, 10_000.0),
     "beam": Limits(0.01, 2.0, "mm"),
 }
-SCANNER = "scanner.json"
 OF = {
     "calibrate": ("pitch",),
     "read": ("contours", "scanner", "beam", "drawn", "piece", "layers", "units"),
@@ -104,7 +103,7 @@ def _check(action: str, images: tuple[Path, ...], cfg: ScanCfg) -> None:
 
 
 def _calibrate(images: tuple[Path, ...], cfg: ScanCfg, common: Common, report: Report) -> None:
-    from armside.sim.scan.calibration import calibrated
+    from armside.sim.scan.calibration import FILE, calibrated
     from armside.sim.scan.image import read_image
 
     assert cfg.pitch is not None
@@ -123,7 +122,7 @@ def _calibrate(images: tuple[Path, ...], cfg: ScanCfg, common: Common, report: R
     given = {"action": "calibrate", "images": images, **_given(cfg)}
     outcome = summary("scan", given, common, **entries)
     with run_folder(outcome, common) as folder:
-        (folder / SCANNER).write_text(dumps(found.as_json()), encoding="utf-8")
+        (folder / FILE).write_text(dumps(found.as_json()), encoding="utf-8")
     report.table(
         "Scanner: what is taken off each scan, and what a grid is left with",
         ["x [%]", "y [%]", "skew [mrad]", "wobble [µm]", "sideways [µm]", "left [µm RMS]"],

@@ -5,12 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from armside.ilc.laws.wrappers import Around
 from armside.ilc.learning import LoopState
 from armside.ilc.workbench.compare import RunState
 from armside.sim.controller.programs import PlannedProgram, ProgramPlant
 from armside.sim.controller.programs.target_learning import contour_measure
 from armside.sim.laser import prepare
-from armside.sim.laser.loop import iterate
+from armside.sim.laser.loop import iterate, loop_law
 from armside.sim.laser.part_cut import PartCut
 from armside.sim.laser.part_scan import along_cuts, pieces, sheet_drawing, updated
 from armside.sim.laser.scan_measure import ScannedPart, VirtualScans, places
@@ -107,3 +108,14 @@ def test_an_update_by_hand_is_that_of_the_loop(experiment, as_program):
     again = updated(experiment, set_up_of, plant, (scan, scan), found.state)
     assert again.state.loop.k == 2
     assert again.state.loop.first_size == found.state.loop.first_size
+
+
+def test_a_law_on_a_model_is_given_the_whole_correction_guarded_or_not(experiment, first):
+    """Around a first correction, as a twin's; another law learns the change alone."""
+    start = np.zeros((len(experiment.loaded.reference), 3))
+    program = PlannedProgram.of(experiment, 2e-3)
+    run = ProgramPlant.of(program).run(start)
+    output = contour_measure(program, ScannedPart(identified=False))(run)
+    assert loop_law(output.law, output, experiment, start) is output.law
+    by_samples = ScannedPart(identified=False).prepare(experiment)(first)
+    assert isinstance(loop_law(by_samples.law, by_samples, experiment, start), Around)
