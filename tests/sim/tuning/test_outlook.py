@@ -80,6 +80,7 @@ def test_the_last_reward_is_that_of_the_worse_of_two_runs(quick, monkeypatch):
         monkeypatch.setattr(Rules, "_at_horizon", lambda *_, worse=worse: worse)
         _, reward, *_, info = rules.step(before, after, THESIS)
         assert info["rms_held"] == later
+        assert info["rms_held_true"] == after.true.rms != later
         assert reward == pytest.approx(np.log(before.measured.rms / max(now, later)))
 
 
