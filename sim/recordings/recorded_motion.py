@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import median_filter
 
 from armside.arrays import Array, check_recorded_time
 from armside.kinematics import Limits
@@ -105,6 +106,12 @@ def check_range(
 SPIKE = 8.0
 """Deviation from the neighbours, in robust standard deviations, from which a sample is wrong.
 Real encoders hold a value for one more cycle of the controller now and then."""
+AROUND = 21
+"""Samples about one that say what is usual: a spike spoils the deviation of five, a corner of the
+path that of all. ESTIMATE"""
+COUNTS = 2.0
+"""Deviation of a sample at rest, over the usual one, up to which it is a count of the encoder.
+ESTIMATE"""
 ROUNDING = 1e-12
 """Deviation from the neighbours, in standard deviations of the record, of readings that are one."""
 MOVES = 20
@@ -175,8 +182,11 @@ def _without_spikes(time: Array, values: Array) -> NDArray[np.bool_]:
         off = _deviation(time[rows], values[rows] / scale)
         largest = np.max([np.roll(off, k) for k in range(-2, 3)], axis=0)
         moves, alone = _beside_rest(values[rows])
+        moves &= ~np.any([np.roll(alone, k) for k in range(-2, 3)], axis=0)
         usual = float(np.median(off[moves])) if moves.sum() >= MOVES else 0.0
-        limit = np.where(alone, ROUNDING, max(SPIKE * 1.4826 * usual, ROUNDING))
+        around = np.maximum(median_filter(off, AROUND), usual)
+        limit = np.where(alone, COUNTS * usual, SPIKE * 1.4826 * around)
+        limit = np.maximum(limit, ROUNDING)
         bad = (off > limit) & (off == largest)
         if not bad.any():
             break

@@ -95,6 +95,17 @@ def test_a_rest_whose_readings_repeat_makes_no_motion_a_fault():
     assert (len(stream.time), notes) == (len(time), ())
 
 
+def test_a_corner_and_a_count_at_rest_are_no_spikes():
+    """Axes that stop and turn at once, read in counts, of which one toggles while they stand."""
+    time, count = 0.004 * np.arange(1000), 1e-6
+    speed = np.where(time < 1.0, 0.0, np.where(time < 2.0, 0.2, np.where(time < 3.0, -0.3, 0.0)))
+    jerky = np.cumsum(speed + 3.0 * np.sin(40.0 * time) * (np.abs(time - 2.0) < 0.02)) * 0.004
+    values = count * np.round(np.column_stack([jerky, 0.5 * jerky]) / count)
+    values[100] += count
+    stream, notes = repaired("encoders", time, values)
+    assert (len(stream.time), notes) == (len(time), ())
+
+
 @pytest.mark.parametrize("begin", [np.inf, 9.5])
 @pytest.mark.parametrize("spikes", [[300], [100, 300, 500, 700, 900], [975]])
 def test_a_spike_in_a_record_at_rest_is_dropped(begin, spikes):
