@@ -109,9 +109,6 @@ Real encoders hold a value for one more cycle of the controller now and then."""
 AROUND = 21
 """Samples about one that say what is usual: a spike spoils the deviation of five, a corner of the
 path that of all. ESTIMATE"""
-COUNTS = 2.0
-"""Deviation of a sample at rest, over the usual one, up to which it is a count of the encoder.
-ESTIMATE"""
 ROUNDING = 1e-12
 """Deviation from the neighbours, in standard deviations of the record, of readings that are one."""
 MOVES = 20
@@ -185,8 +182,7 @@ def _without_spikes(time: Array, values: Array) -> NDArray[np.bool_]:
         moves &= ~np.any([np.roll(alone, k) for k in range(-2, 3)], axis=0)
         usual = float(np.median(off[moves])) if moves.sum() >= MOVES else 0.0
         around = np.maximum(median_filter(off, AROUND), usual)
-        limit = np.where(alone, COUNTS * usual, SPIKE * 1.4826 * around)
-        limit = np.maximum(limit, ROUNDING)
+        limit = np.maximum(SPIKE * 1.4826 * around, ROUNDING)
         bad = (off > limit) & (off == largest)
         if not bad.any():
             break

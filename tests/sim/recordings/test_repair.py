@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter1d
 
 from armside.sim.recordings import is_motion, read_motion
 from armside.sim.recordings.recorded_motion import repaired
@@ -98,9 +99,11 @@ def test_a_rest_whose_readings_repeat_makes_no_motion_a_fault():
 def test_a_corner_and_a_count_at_rest_are_no_spikes():
     """Axes that stop and turn at once, read in counts, of which one toggles while they stand."""
     time, count = 0.004 * np.arange(1000), 1e-6
-    speed = np.where(time < 1.0, 0.0, np.where(time < 2.0, 0.2, np.where(time < 3.0, -0.3, 0.0)))
-    jerky = np.cumsum(speed + 3.0 * np.sin(40.0 * time) * (np.abs(time - 2.0) < 0.02)) * 0.004
-    values = count * np.round(np.column_stack([jerky, 0.5 * jerky]) / count)
+    asked = np.select([time < 1.0, time < 2.0, time < 3.0], [0.0, 0.2, -0.3], 0.0)
+    speed = gaussian_filter1d(asked, 3.0)
+    angle = np.cumsum(np.column_stack([speed, 0.4 * speed]), axis=0) * 0.004
+    noise = np.random.default_rng(0).normal(0.0, 0.3 * count, angle.shape)
+    values = count * np.round((angle + (speed != 0.0)[:, None] * noise) / count)
     values[100] += count
     stream, notes = repaired("encoders", time, values)
     assert (len(stream.time), notes) == (len(time), ())
