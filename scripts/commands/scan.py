@@ -1,7 +1,7 @@
 """`armside scan`: a flatbed scanner as the sensor: calibrated by a grid, and a cut sheet read."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -29,9 +29,10 @@ LIMITS = {
     "pitch": Limits(2.0, 20.0, "mm"),
     "dpi": Limits(500.0, 10_000.0),
     "beam": Limits(0.01, 2.0, "mm"),
+    "gamma": Limits(0.3, 4.0),
 }
 OF = {
-    "calibrate": ("pitch",),
+    "calibrate": ("pitch", "gamma"),
     "read": ("contours", "scanner", "beam", "drawn", "piece", "layers", "units"),
 }
 """Options of each action alone."""
@@ -44,6 +45,9 @@ class ScanCfg:
 
     pitch: float | None = None
     """Of calibrate: distance of the grid's lines [mm]."""
+    gamma: float | None = None
+    """Of calibrate: of the greys of this scanner's files [default: what a file says of itself, and
+    linear if it says nothing]."""
     contours: FileToRead = None
     """Of read: drawing of the sheet (DXF, SVG, TOML). A part, if one contour lies around all the
     others; else each is a hole in the sheet."""
@@ -108,7 +112,8 @@ def _calibrate(images: tuple[Path, ...], cfg: ScanCfg, common: Common, report: R
 
     assert cfg.pitch is not None
     with checking_input():
-        found = calibrated([read_image(file, cfg.dpi) for file in images], MM * cfg.pitch)
+        seen = [read_image(file, cfg.dpi, cfg.gamma) for file in images]
+        found = replace(calibrated(seen, MM * cfg.pitch), gamma=cfg.gamma)
     (sx, skew), (_, sy) = found.matrix.tolist()
     entries = {
         "scale_x": sx - 1.0,
@@ -138,9 +143,8 @@ def _calibrate(images: tuple[Path, ...], cfg: ScanCfg, common: Common, report: R
 
 
 def _read(file: Path, cfg: ScanCfg, common: Common, report: Report) -> None:
-    from armside.sim.scan.calibration import read_calibration
+    from armside.sim.scan.calibration import image_by, read_calibration
     from armside.sim.scan.drawing import read_drawing
-    from armside.sim.scan.image import read_image
     from armside.sim.scan.reading import read_scan
 
     from ..figures.scan import scan_map
@@ -158,7 +162,7 @@ def _read(file: Path, cfg: ScanCfg, common: Common, report: Report) -> None:
         except ModuleNotFoundError as error:
             raise InputError("drawings need the extra: pip install 'armside[scan]'") from error
         found = read_scan(
-            read_image(file, cfg.dpi),
+            image_by(calibration, file, cfg.dpi),
             drawing.contours,
             pieces=drawing.pieces,
             calibration=calibration,

@@ -215,9 +215,8 @@ def read_coupon(scan: Path, scanner: Path | None) -> tuple[list[MeasuredCut], li
 
 
 def _read_scan(scan: Path, scanner: Path | None, sheet: tuple[float, float]) -> SheetScan:
-    from armside.sim.scan.calibration import read_calibration
-    from armside.sim.scan.image import read_image
+    from armside.sim.scan.calibration import image_by, read_calibration
     from armside.sim.scan.reading import read_scan
 
     calibration = None if scanner is None else read_calibration(scanner)
-    return read_scan(read_image(scan), drawing(sheet), calibration=calibration)
+    return read_scan(image_by(calibration, scan), drawing(sheet), calibration=calibration)

@@ -97,11 +97,9 @@ def taught(
     from armside.sim.controller.programs import ProgramPlant
     from armside.sim.controller.programs.target_learning import contour_measure
     from armside.sim.laser.part_scan import read_part_scan, sheet_drawing, updated
-    from armside.sim.scan.calibration import read_calibration
+    from armside.sim.scan.calibration import image_by, read_calibration
 
     assert asked.scan is not None
-    with needs("scan", "armside cut --scan", "scikit-image"):
-        from armside.sim.scan.image import read_image
     experiment = made.experiment
     state, kept = _begun(before, experiment, 3 if learner else None)
     digest = sha256(asked.scan.read_bytes()).hexdigest()
@@ -109,7 +107,9 @@ def taught(
         k = kept["digests"].index(digest)
         raise InputError(f"{asked.scan} is the scan of the part of k = {k}: scan the next one")
     calibration = None if asked.scanner is None else read_calibration(asked.scanner)
-    scan = read_part_scan(read_image(asked.scan), experiment, 1e-3 * cfg.beam, calibration)
+    with needs("scan", "armside cut --scan", "scikit-image"):
+        seen = image_by(calibration, asked.scan)
+        scan = read_part_scan(seen, experiment, 1e-3 * cfg.beam, calibration)
     first = scan if kept["first"] is None else _scan_of(kept["first"])
     if learner is None:
         plant, set_up_of = experiment.plant, lambda measure: measure.prepare(experiment)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from armside.arrays import Array
 
 from ..records.files import check_file, reading
-from .image import Outline, ScanImage, edge_near, kerf_near, outlines
+from .image import Outline, ScanImage, edge_near, kerf_near, outlines, read_image
 
 SAME = 0.05e-3
 """Largest difference between the scanned areas of grid and sheet [m]: a pixel of 600 dpi. Heights
@@ -60,6 +60,8 @@ class Calibration:
     """RMS [m] that is left of the grid."""
     scale: float = 1e-4
     """Standard deviation of the scale: that of the grid. ESTIMATE"""
+    gamma: float | None = None
+    """Of the greys of its files; None where each file says its own."""
 
     def check(self, image: ScanImage) -> None:
         """Raise ValueError for an image of another area: the wobble belongs to the place."""
@@ -85,7 +87,7 @@ class Calibration:
     def as_json(self) -> dict[str, Any]:
         """Entries of `scanner.json`, in SI units."""
         entries = {name: np.asarray(getattr(self, name)).tolist() for name in FIELDS}
-        return {"armside_scanner": VERSION, **entries}
+        return {"armside_scanner": VERSION, **entries, "gamma": self.gamma}
 
 
 FIELDS = ("matrix", "y", "wobble", "area", "residual", "scale")
@@ -114,6 +116,9 @@ def read_calibration(file: Path) -> Calibration:
         if k < 4 or not (np.diff(found["y"]) > 0.0).all():
             raise ValueError("its heights y must increase, four or more")
         width, height = found["area"].tolist()
+        gamma = data.get("gamma")
+        if gamma is not None and not (isinstance(gamma, float | int) and 0.0 < gamma < np.inf):
+            raise ValueError("its gamma is no number above 0")
         return Calibration(
             matrix=found["matrix"],
             y=found["y"],
@@ -121,7 +126,13 @@ def read_calibration(file: Path) -> Calibration:
             area=(width, height),
             residual=float(found["residual"]),
             scale=float(found["scale"]),
+            gamma=gamma,
         )
+
+
+def image_by(calibration: Calibration | None, file: Path, dpi: float | None = None) -> ScanImage:
+    """Image of a scanner that may be calibrated. Raises as `read_image`."""
+    return read_image(file, dpi, None if calibration is None else calibration.gamma)
 
 
 @dataclass(frozen=True, eq=False)

@@ -121,11 +121,11 @@ class ScanImage:
         return 0.5 * np.column_stack([right - left, above - below]) / np.array(self.pixel)
 
 
-def read_image(file: Path, dpi: float | None = None) -> ScanImage:
+def read_image(file: Path, dpi: float | None = None, gamma: float | None = None) -> ScanImage:
     """Image of a PNG or TIFF, of its colours the one with the most contrast: the three lines of a
-    colour scanner do not see the same place.
+    colour scanner do not see the same place. Its greys are made proportional to light.
 
-    dpi: in place of the file's own.
+    dpi, gamma: in place of the file's own. A file that says neither gamma nor profile is linear.
 
     Raises ValueError for a file that is no such image, has no resolution, or too many pixels.
     """
@@ -143,27 +143,41 @@ def read_image(file: Path, dpi: float | None = None) -> ScanImage:
                 raise ValueError("it has no resolution; say --dpi")
             if getattr(opened, "n_frames", 1) > 1:
                 raise ValueError(f"it has {getattr(opened, 'n_frames', 1)} pages; one is read")
-            grey = _grey(opened)
+            grey = _grey(opened, gamma)
     finally:
         Image.MAX_IMAGE_PIXELS = usual
     pixel = INCH / float(own[0]), INCH / float(own[1])
     return ScanImage(grey=grey, pixel=pixel, name=file.name)
 
 
-def _grey(opened: Any) -> NDArray[np.uint8]:
+def _grey(opened: Any, gamma: float | None) -> NDArray[np.uint8]:
     if opened.mode in ("1", "P"):
         raise ValueError("it has few greys or a palette; scan in grey or colour")
     if opened.mode.startswith(("I", "F")):
         deep = np.asarray(opened)
         if deep.dtype.kind == "f" or deep.min() < 0 or deep.max() > 65535:
             raise ValueError(f"pixels of mode {opened.mode} are not read; scan in 8 or 16 bit grey")
-        return (deep >> 8).astype(np.uint8)
+        return _light(opened.info, gamma, 65536)[deep]
     if opened.mode in ("L", "LA"):
-        return np.asarray(opened.getchannel("L"))
+        return _light(opened.info, gamma, 256)[np.asarray(opened.getchannel("L"))]
     coloured = opened if opened.mode in ("RGB", "RGBA") else opened.convert("RGB")
     small = np.asarray(coloured.reduce(max(1, min(coloured.size) // 500)), dtype=np.float64)
     best = int(np.argmax(small[..., :3].std(axis=(0, 1))))
-    return np.asarray(coloured.getchannel(best))
+    return _light(opened.info, gamma, 256)[np.asarray(coloured.getchannel(best))]
+
+
+def _light(info: dict[str, Any], gamma: float | None, levels: int) -> NDArray[np.uint8]:
+    """(levels,), the light of each level of a file, 0 to 255.
+
+    A profile is taken for the curve of sRGB (IEC 61966-2-1).
+    """
+    level = np.arange(levels) / (levels - 1)
+    own = float(info.get("gamma") or 1.0)
+    if gamma is not None or not ({"srgb", "icc_profile"} & info.keys()):
+        light = level ** (1.0 / own if gamma is None else gamma)
+    else:
+        light = np.where(level <= 0.04045, level / 12.92, ((level + 0.055) / 1.055) ** 2.4)
+    return np.round(255.0 * light).astype(np.uint8)
 
 
 class Outline(NamedTuple):

@@ -3,14 +3,18 @@
 import csv
 import json
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from PIL import Image
+from PIL.ImageCms import ImageCmsProfile, createProfile
+from PIL.PngImagePlugin import PngInfo
 from tests.sim.scan.sheets import DRAWING, deviation, drawing_file, image, save
 from tests.sim.scan.test_calibration import CHEAP, scan_of_grid
 
 from armside.sim.part.arcs import MM
+from armside.sim.scan.calibration import image_by, read_calibration
 from armside.sim.scan.drawing import read_drawing
 from armside.sim.scan.virtual import Process
 
@@ -128,6 +132,42 @@ def test_colours_and_depths_say_the_same(files, mode, tmp_path, summary_of):
     made.get(mode, lambda: coloured.convert(mode))().save(tmp_path / "a.tiff", dpi=(1200, 1200))
     found = summary_of(f"scan read a.tiff --contours {files / 'sheet.dxf'} --drawn beam --out out")
     assert found["beam"] == pytest.approx(0.208 * MM, abs=1e-6)
+
+
+def coded(light, gamma):
+    """Levels (rows, columns) uint8 of a file, of sRGB or of a gamma, by their definitions."""
+    x = light / 255.0
+    srgb = np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
+    return np.round(255.0 * (srgb if gamma is None else x ** (1.0 / gamma))).astype(np.uint8)
+
+
+@pytest.mark.parametrize("said_by", ["sRGB", "gAMA", "profile", "nobody"])
+def test_greys_that_are_not_linear_are_made_so(files, said_by, tmp_path, summary_of):
+    """Half of a bent grey is not half of the light: it moves every edge by a part of its blur."""
+    gamma = 1.8 if said_by == "gAMA" else None
+    chunks, profile = PngInfo(), None
+    if said_by == "sRGB":
+        chunks.add(b"sRGB", b"\0")
+    if said_by == "gAMA":
+        chunks.add(b"gAMA", round(1e5 / 1.8).to_bytes(4, "big"))
+    if said_by == "profile":
+        profile = ImageCmsProfile(createProfile("sRGB")).tobytes()
+    with Image.open(files / "part.png") as picture:
+        bent = Image.fromarray(coded(np.asarray(picture), gamma))
+        bent.save(tmp_path / "a.png", dpi=picture.info["dpi"], pnginfo=chunks, icc_profile=profile)
+    line = f"scan read a.png --contours {files / 'sheet.dxf'} --drawn beam --out out"
+    off = abs(summary_of(line)["beam"] - 0.208 * MM)
+    assert off > 5e-6 if said_by == "nobody" else off < 1e-6
+
+
+def test_a_scanner_keeps_the_gamma_that_is_said_of_it(summary_of, tmp_path):
+    scan = scan_of_grid(8.0)
+    file = save(replace(scan, grey=coded(scan.grey, 2.2)), tmp_path / "grid.png")
+    summary_of("scan calibrate grid.png --pitch 2.5 --gamma 2.2 --out scanner")
+    kept = read_calibration(tmp_path / "scanner")
+    assert kept.gamma == 2.2
+    bent, light = image_by(None, file).grey, image_by(kept, file).grey
+    assert np.ptp(light.astype(int) - scan.grey) <= 2 < np.abs(bent.astype(int) - scan.grey).max()
 
 
 def test_a_drawing_of_one_contour_is_a_hole_unless_it_is_said(tmp_path, armside, summary_of):

@@ -97,6 +97,7 @@ def test_a_file_keeps_every_bit_and_its_area(calibration, turned, tmp_path):
         {"y": [0.0] * 4},
         {"residual": "small"},
         {"scale": None},
+        {"gamma": 0.0},
     ],
     ids=lambda change: next(iter(change)),
 )
