@@ -2,7 +2,7 @@
 
 Ten individuals with geometry errors, twelve tasks each: `_tasks`. "Left" is the true tool RMS of
 the first run with the twin's correction over that without any. `scan-twin-development` gives the
-factors of the predicted interval from individuals of development, on which all settings were
+factors of the predicted interval from six individuals of development, on which all settings were
 chosen: the table of contours, the number of cuts by IMU, and the priors of sheet and kerf.
 """
 
@@ -12,6 +12,8 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from scipy.stats import norm
+from scipy.stats import t as student_t
 
 from armside.sim.robot.spread import Drawn
 from armside.sim.scan.virtual_reading import CALIBRATED, CHEAP, ScanErrors
@@ -111,14 +113,16 @@ def run_of_development(case: tuple[int, str], tally: Tally) -> Iterator[Row]:
 
 
 def fitted(rows: Rows) -> Iterator[Check]:
-    """Lower end, middle and upper end over r: of a normal prediction for another individual."""
+    """Lower end, middle and upper end over r: of a normal prediction for another individual, with
+    Student's t for the part between individuals."""
     for name, of in rows.by("twin by").items():
-        means = np.array([row["_ratio"].mean() for row in of if len(row["_ratio"])])
-        inner = np.mean([row["_ratio"].var() for row in of if len(row["_ratio"])])
-        between = means.var(ddof=1) if len(means) > 1 else 0.0
-        middle, spread = float(means.mean()), float(np.sqrt(inner + between))
-        for what, z in (("low", -1.645), ("expected", 0.0), ("high", 1.645)):
-            yield Check("", f"{name}: {what} over r", "", float(np.exp(middle + z * spread)))
+        each = [row["_ratio"] for row in of if len(row["_ratio"])]
+        means, n = np.array([ratio.mean() for ratio in each]), len(each)
+        between = means.std(ddof=1) * student_t.ppf(0.95, n - 1) * np.sqrt(1.0 + 1.0 / n)
+        within = np.sqrt(np.mean([ratio.var() for ratio in each])) * norm.ppf(0.95)
+        for what, side in (("low", -1.0), ("expected", 0.0), ("high", 1.0)):
+            value = float(np.exp(means.mean() + side * np.hypot(within, between)))
+            yield Check("", f"{name}: {what} over r", "", value, low=0.0)
 
 
 CLAIM_DEVELOPMENT = Claim(
