@@ -1,5 +1,6 @@
 """`armside program`: a program in RAPID, KRL or URScript, described, learned by hand, or run."""
 
+import json
 from dataclasses import asdict, dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -40,9 +41,9 @@ class ProgramCfg:
     recording: Path | None = None
     """Recording of a run of the program: a folder with encoders.* and tracker.* or imu.*, a bag or
     a run of armside (docs/real.md). It begins at rest before the first contour."""
-    measure: Literal["tracker", "estimate", "motor"] = "tracker"
+    measure: Literal["tracker", "estimate", "motor"] | None = None
     """What is learned from: a laser tracker in the axes of the robot's base; an IMU with encoders;
-    encoders alone."""
+    encoders alone [default: tracker, or as in --from]."""
     robot: str = "large"
     """Robot that runs it: large, irb1400, or a robot file."""
     payload: float | None = None
@@ -97,7 +98,7 @@ def program(
         spacing, zone, speed = (row[key] for key in ("spacing", "zones", "speeds"))
         mm = [1e3 * value for value in (*spacing, zone[1], speed[1])]
         rows.append([*row["lines"], row["targets"], *mm, row["blocks_per_second"]])
-    report.table("Rows of linear moves [mm], [mm/s]", ROW, rows)
+    report.table("Rows of linear moves, distances of targets [mm], [mm/s]", ROW, rows)
 
 
 def _learn(
@@ -115,7 +116,9 @@ def _learn(
         raise InputError("individual is of `program run`: learn knows its robot by the recording")
     if cfg.recording is None:
         raise InputError("learn needs --recording: the folder of a recording of the program's run")
+    _refuse_corrected(file)
     cfg, common, before = started(start, "program", cfg, common)
+    measure = cfg.measure or "tracker"
     assert cfg.recording is not None
     digest = sha256("".join(text.content for text in read.texts).encode("latin-1")).hexdigest()
     first, state, used = cfg.recording, None, list[str]()
@@ -131,7 +134,7 @@ def _learn(
             raise InputError(
                 f"{cfg.recording} is the recording of run k = {k}: record run {state.k}"
             )
-    found = learned_from(read, cfg.robot, cfg.measure, recordings, state, cfg.payload)
+    found = learned_from(read, cfg.robot, measure, recordings, state, cfg.payload)
     entries = {
         "status": "done",
         "file": file,
@@ -146,7 +149,8 @@ def _learn(
         "program": found.texts[0].name,
         "notes": [*found.notes, *dict.fromkeys(note for each in recordings for note in each.notes)],
     }
-    outcome = summary("program", {"action": "learn", **asdict(cfg)}, common, **entries)
+    given = {"action": "learn", **asdict(cfg), "measure": measure}
+    outcome = summary("program", given, common, **entries)
     with RunFolder("program", seed=common.seed, out=common.out) as folder:
         for text in found.texts:
             (folder / text.name).write_bytes(text.content.encode("latin-1"))
@@ -155,7 +159,7 @@ def _learn(
     report.notes(entries["notes"])
     report.lines(
         [
-            f"Run k = {entries['k']}: RMS {1e6 * found.rms:.4g} µm by {cfg.measure}",
+            f"Run k = {entries['k']}: RMS {1e6 * found.rms:.4g} µm by {measure}",
             f"{folder.path / found.texts[0].name}: {found.changed} of {len(found.offsets)} targets "
             f"changed, largest offset {1e3 * found.largest_offset:.3g} mm",
         ]
@@ -216,15 +220,37 @@ def _digest(recording: MotionRecording) -> str:
 def _first_of(before: Earlier[ProgramCfg], file: Path, digest: str) -> Path:
     """Recording of the first run. Raises InputError for another program, robot or measure."""
     run = before.run
-    if changed := {"robot", "measure", "payload"} & set(before.changed):
-        raise InputError(f"{run.folder} was learned with another {', '.join(sorted(changed))}")
+    for name in ("robot", "measure", "payload"):
+        if name in before.changed:
+            was = getattr(before.options, name)
+            raise InputError(f"{run.folder} was learned with --{name} {was}, and goes on with it")
     if run.summary["digest"] != digest:
         first = f"give {run.summary['file']}, as it was in the first run"
         raise InputError(f"{file} is not the program that {run.folder} began with: {first}")
-    return Path(run.summary["first_recording"])
+    recording = Path(run.summary["first_recording"])
+    if not recording.exists():
+        raise InputError(f"{recording}, the recording of the first run, is needed and not there")
+    return recording
 
 
-ROW = ["line", "to", "targets", "spacing", "", "", "zone", "speed", "blocks/s"]
+def _refuse_corrected(file: Path) -> None:
+    """A program beside the summary of the run that corrected it: its targets draw no wanted path.
+
+    Raises InputError."""
+    try:
+        made = json.loads((file.parent / "summary.json").read_text(encoding="utf-8"))
+        of = made["program"] if isinstance(made["program"], dict) else made
+        name, offset = of.get("file" if of is not made else "program"), of["largest_offset"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return
+    if name == file.name and offset:
+        own = f"learn gets your own program, and --from {file.parent} after this one was run"
+        if of is not made:
+            own = "learn gets one without correction, as of `armside cut --plan-only`"
+        raise InputError(f"{file} is a corrected program: {own}")
+
+
+ROW = ["line", "to", "targets", "least", "median", "largest", "zone", "speed", "blocks/s"]
 
 
 def described(read: ProgramText) -> dict[str, Any]:
@@ -279,7 +305,7 @@ def _lines(found: dict[str, Any]) -> list[str]:
     lines = [f"{found['language']}{start}: {moves}; {found['targets']} targets"]
     for kind, names in found["frames"].items():
         lines += [
-            f"{kind} {name}" + ("" if known else ": its pose is not in the file")
+            f"{kind} {name}" + ("" if known else ": its pose is not in the file; learning needs it")
             for name, known in names.items()
         ]
     return lines

@@ -32,7 +32,7 @@ from .own_program import REST_BEFORE, ProgramCut, fitted_rms, moved_points, own_
 from .program_text import ProgramText
 from .scanner import Text
 from .target_learning import Model, at_plan, contour_measure
-from .tool_path import arc_lengths
+from .tool_path import arc_lengths, arcs_of, rows_of
 from .virtual_run import PlannedProgram
 
 NEAR = 5e-3
@@ -61,6 +61,8 @@ SHAPE = (4e-4, 2e-3)
 ESTIMATE: 0.14 to 0.19 mm on individuals of development."""
 PACE = (0.8, 1.3)
 """Time of a row over the model's. ESTIMATE: an interpolator that dips by 30 % takes 1.2."""
+EVEN = 0.05
+"""Pace beyond which a run is said to be slower or faster than programmed. ESTIMATE"""
 OWN_SHARE = (0.5, 1.5)
 """Share of the targets' offsets in what the motors do otherwise than in the first run. ESTIMATE"""
 TOLD = 2e-5
@@ -154,7 +156,8 @@ def _clock(
         where = f"row {i + 1} of {text_of(program).program.source}"
         if found is None or own is None:
             far = f"within {1e3 * NEAR:g} mm from one end to the other"
-            raise InputError(f"{name}: no motion along {where}, {far}")
+            why = "a run of another program, or a part of it is missing"
+            raise InputError(f"{name}: no motion along {where}, {far}: {why}")
         length = float(arc_lengths(path)[-1])
         s = np.linspace(ENDS, length - ENDS, max(int(length / KNOTS), 4))
         at, own_at = found.at(s), own.at(s)
@@ -164,7 +167,8 @@ def _clock(
         off = float(np.sqrt(np.sum(np.var(drawn, axis=0))))
         if off > SHAPE[0] + SHAPE[1] * length:
             text = f"the motors draw another shape, by {1e3 * off:.2g} mm RMS"
-            raise InputError(f"{name}: along {where} {text}: is it a run of this program?")
+            what = "is it a run of this program? For one of a learned program say --from"
+            raise InputError(f"{name}: along {where} {text}: {what}")
         plan = np.interp(own_at, asked.run_time, asked.plan_time) - stretch.start
         first, last = stretch.timing.cruise
         cruise = (plan >= first) & (plan <= last) if last > first else np.full(len(s), True)
@@ -174,7 +178,8 @@ def _clock(
         pace = float(np.median(np.diff(at) / np.diff(own_at)))
         if len(at) > 1 and not PACE[0] <= pace <= PACE[1]:
             text = f"takes {pace:.3g} times as long as programmed, not {PACE[0]:g} to {PACE[1]:g}"
-            raise InputError(f"{name}: {where} {text}: run it at an override of 100 %")
+            what = "run it at an override of 100 %, at the speed that stands in it"
+            raise InputError(f"{name}: {where} {text}: {what}")
         ramps = ends - own_at[[0, -1]]  # as fast as planned, for slow places say little of time
         at = np.r_[at[0] + ramps[0], at, at[-1] + ramps[1]]
         pairs.append((at, np.r_[ends[0], own_at, ends[1]]))
@@ -352,6 +357,26 @@ def _imu(recording: MotionRecording, start: float) -> ImuSamples | None:
     )
 
 
+def _refuse_arcs_between(text: ProgramText) -> None:
+    """An arc from row to row is a part of the path that no target of theirs corrects."""
+    rows = rows_of(text)
+    ends, begins = {row.moves[-1] for row in rows}, {row.moves[0] for row in rows}
+    for i in arcs_of(text):
+        if i in begins and i - 1 in ends:
+            place = text.places[i]
+            why = "an arc between rows cannot be learned: write it as short linear moves"
+            place.text.fail(place.at, why)
+
+
+def _pace(clock: tuple[Array, Array] | None) -> float:
+    """Time of a run over that of its plan, in the median over its places."""
+    if clock is None:
+        return 1.0
+    ran, planned = (np.diff(each) for each in clock)
+    moves = planned > 0.0
+    return float(np.median(ran[moves] / planned[moves]))
+
+
 class Learned(NamedTuple):
     """What one recorded run taught."""
 
@@ -395,13 +420,15 @@ def learned_from(
             if (samples := getattr(each, stream)) is not None:
                 check_recorded_time(f"{each.name}: {stream}", samples.time, gap=HOLE)
     program = own_program(cut)
+    _refuse_arcs_between(text)
     none = np.zeros((len(program.experiment.motion.time), 3))
     u = none if before is None else before.correction
     if u.shape != none.shape:
         raise InputError(f"{text.program.source} is not the program that was learned before")
     for each, name in ((first, "the first"), (last, "this")):
         if getattr(each, {"estimate": "imu", "motor": "encoders"}.get(measure, measure)) is None:
-            raise InputError(f"{each.name}: {name} recording has no {measure} to learn from")
+            other = ": an IMU is learned from with --measure estimate" * (each.imu is not None)
+            raise InputError(f"{each.name}: {name} recording has no {measure} to learn from{other}")
     of_first = aligned(program, first, program.offsets(none))
     run = of_first if before is None else aligned(program, last, program.offsets(u))
     if before is not None:
@@ -416,6 +443,10 @@ def learned_from(
     if measure == "tracker" and not (seen := run.tracker.valid).all():
         lost = f"the laser tracker lost its beam in {100 * (1 - seen.mean()):.2g} % of the run"
         notes = (*notes, Note(cause=Cause.BEAM, text=f"{lost}: nothing is learned there"))
+    pace = _pace(run.clock)
+    if abs(pace - 1.0) > EVEN:
+        told = f"the run takes {pace:.2f} times as long as programmed: a correction is of one speed"
+        notes = (*notes, Note(cause=Cause.PROGRAM, text=told))
     law = output.law
     law.check(*error.shape)
     after, memory_after = law.step(u, error, memory)

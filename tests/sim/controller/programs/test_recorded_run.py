@@ -1,8 +1,10 @@
 """Programs are learned from recordings of their runs, whose clocks and rates nobody knows."""
 
 import json
+import re
 import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -174,6 +176,16 @@ def test_a_program_learned_by_hand_over_files_equals_the_run_in_process(
     go_on = "program learn part.mod --from run-0 --out other --recording recording-"
     assert main(f"{go_on}0".split()) == 2
     assert "recording-0 is the recording of run k = 0: record run 1" in capsys.readouterr().err
+    own = "program learn part.mod --from run-0 --out other --recording recording-1"
+    assert main(f"{own} --measure motor".split()) == 2
+    assert "learned with --measure tracker, and goes on with it" in capsys.readouterr().err
+    bent = "program learn run-0/part.mod --recording recording-1 --out other"
+    assert main(bent.split()) == 2
+    assert "is a corrected program: learn gets your own program" in capsys.readouterr().err
+    Path("recording-0").rename("moved")
+    assert main(own.split()) == 2
+    assert "recording-0, the recording of the first run, is needed" in capsys.readouterr().err
+    Path("moved").rename("recording-0")
     shutil.copytree("recording-1", "recording-0", dirs_exist_ok=True)
     assert main(f"{go_on}1".split()) == 2
     assert "recording-0 is not as it was in the first run" in capsys.readouterr().err
@@ -289,6 +301,37 @@ def test_a_recording_that_does_not_fit_is_refused(text, program, change, reason)
     log = change(recorded(run, rest=0.3 if change in (late, at_half_speed) else 0.0))
     with pytest.raises(ValueError, match=reason):
         learned_from(read_program(text), "large", "tracker", (log, log))
+
+
+def stretched(recording, factor):
+    """As by a controller that is slower than programmed."""
+    both = (recording.encoders, recording.tracker)
+    encoders, tracker = (Stream(factor * each.time, each.values) for each in both)
+    return replace(recording, encoders=encoders, tracker=tracker)
+
+
+@pytest.mark.parametrize("factor", [1.0, 1.12, 0.9])
+def test_a_run_that_is_slower_or_faster_than_programmed_is_said_to_be(text, program, factor):
+    run, _ = Elsewhere(program).run(program.rows(np.zeros((program.ends[-1], 3))))
+    log = stretched(recorded(run, rest=0.5), factor)
+    notes = learned_from(read_program(text), "large", "tracker", (log, log)).notes
+    said = [re.search(r"takes ([0-9.]+) times as long as programmed", n.text) for n in notes]
+    found = [float(match[1]) for match in said if match]
+    assert found == ([] if factor == 1.0 else [pytest.approx(factor, abs=0.02)])
+
+
+def test_an_arc_between_two_rows_is_refused_by_its_line(text, program):
+    """It is a part of the contour that no target corrects; as the way to a row it is none."""
+    run, _ = Elsewhere(program).run(program.rows(np.zeros((program.ends[-1], 3))))
+    log, lines = recorded(run), text.content.splitlines(keepends=True)
+    moves = [i for i, line in enumerate(lines) if line.lstrip().startswith("MoveL")]
+    via, last = lines[moves[5]], lines[moves[6]].split("MoveL", 1)[1]
+    position = via.split("MoveL", 1)[1].split(",v")[0]
+    arc = [*lines[: moves[5]], f"MoveC{position},{last}", *lines[moves[6] + 1 :]]
+    arced = replace(text, content="".join(arc))
+    said = rf"m\.mod, line {moves[5] + 1}, column \d+: an arc between rows cannot be learned"
+    with pytest.raises(ValueError, match=said):
+        learned_from(read_program(arced), "large", "tracker", (log, log))
 
 
 def test_a_run_of_another_program_is_refused(text, program):
