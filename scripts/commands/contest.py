@@ -113,7 +113,7 @@ def _table(_: str, files: tuple[Path, ...], cfg: ContestOptions, report: Report)
         results = [read_result(f) for f in files or _results(cfg.into)]
         if not results:
             raise InputError(f"there is no result in {cfg.into}")
-    _show(results, cfg, report)
+    _show(results, cfg, report, whole=bool(files))
 
 
 def _results(folder: Path) -> list[Path]:
@@ -148,26 +148,37 @@ def _new_round(_: str, files: tuple[Path, ...], cfg: ContestOptions, report: Rep
     report.kept(_summary(cfg, report, salt_sha256=made.digest), kept)
 
 
-COLUMNS = ["entry", "rank", "left", "95 %", "", "harm", "worst", "lost", "runs", "s a task"]
+COLUMNS = ["entry", "rank", "left", "low", "high", "harm", "worst", "lost", "runs", "s a task"]
 
 
-def _show(results: list[dict[str, Any]], cfg: ContestOptions, report: Report) -> None:
-    """A table for each track and round."""
+def _show(
+    results: list[dict[str, Any]], cfg: ContestOptions, report: Report, *, whole: bool = True
+) -> None:
+    """A table for each track and round. whole: refuse results that cannot be ranked, and do not
+    leave out their table alone."""
     from armside.sim.contest.table import table
     from armside.sim.contest.tracks import track
 
     groups: dict[str, list[dict[str, Any]]] = {}
     for result in results:
         groups.setdefault(f"{result['track']}-{result['round']}", []).append(result)
-    with checking_input():
-        tables = {name: table(group) for name, group in groups.items()}
+    tables, left_out = dict[str, tuple[list[dict[str, Any]], int]](), list[str]()
+    for name, group in groups.items():
+        try:
+            tables[name] = table(group)
+        except ValueError as error:
+            left_out.append(f"no table of {name}: {error}")
+    if left_out and (whole or not tables):
+        raise InputError(left_out[0])
     shown = [{"name": name, "tasks": n, "standings": rows} for name, (rows, n) in tables.items()]
-    found = _summary(cfg, report, tables=shown)
+    found = _summary(cfg, report, tables=shown, notes=left_out)
     if report.common.out is not None:
         from ..figures.contest import draw
 
         with run_folder(found, report.common) as folder:
             for name, group in groups.items():
+                if name not in tables:
+                    continue
                 draw(folder / f"{name}.png", group, name)
     for name, (rows, n) in tables.items():
         score = track(groups[name][0]["track"]).score
@@ -175,4 +186,5 @@ def _show(results: list[dict[str, Any]], cfg: ContestOptions, report: Report) ->
         report.table(f"{name}, {n} tasks: {score}", COLUMNS, cells)
         for row in rows:
             report.lines(f"Lost by {row['entry']}: {why}" for why in row["reasons"])
+    report.notes(left_out)
     report.summary(found)

@@ -34,7 +34,7 @@ PRELOADED = [
 """Modules that entries find loaded, which would take each most of a second."""
 
 
-ISOLATED = frozenset(("file system", "processes", "network"))
+ISOLATED = frozenset(("file system", "processes", "network", "kernel"))
 """What the process of an entry must have left for a judged round."""
 Kind = Literal["raised", "hung", "wrong shape", "not finite", "beyond limits", "ended"]
 LONGEST_REASON = 300

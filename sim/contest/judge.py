@@ -8,6 +8,7 @@ import hashlib
 import json
 import os
 import platform
+import re
 import time
 from collections.abc import Callable, Iterator, Sequence
 from importlib.metadata import version
@@ -18,7 +19,7 @@ import numpy as np
 
 from ..notes import GROWTH
 from ..records.files import InputError, check_file, reading
-from .entry_process import EntryError, EntryProcess
+from .entry_process import ISOLATED, LONGEST_REASON, EntryError, EntryProcess
 from .seal import Round
 from .task import Task, Track
 from .tracks import track as track_of
@@ -112,7 +113,11 @@ def judged(
     result, of = begun(entry.stem, source, track, round), track_of(track)
     if file.exists():
         before = read_result(file)
-        if (named := identity(before)) != identity(result):
+        named, own = identity(before), identity(result)
+        if named[:-1] == own[:-1] and named != own:
+            why = f"{entry} has changed since: delete the result, or give another --into"
+            raise InputError(f"{file} is the result of another {entry.name}: {why}")
+        if named != own:
             raise InputError(f"{file} is the result of something else: {named}")
         result["tasks"] = before["tasks"]
     done = {row["index"] for row in result["tasks"]}
@@ -150,15 +155,34 @@ def read_result(file: Path) -> Row:
         found = json.loads(file.read_text(encoding="utf-8"))
         if found["schema"] != SCHEMA:
             raise InputError(f"{file} has the schema {found['schema']!r}, not {SCHEMA}")
+        if not re.fullmatch(NAME, str(found["entry"]["name"])):
+            raise InputError(f"{file}: the name of an entry has letters, digits, and - + . _ alone")
         for row in found["tasks"]:
-            if not (
-                isinstance(row["index"], int)
-                and 0.0 < row["left"] <= LARGEST
-                and {*COMPARED, "seconds", "reason"} <= row.keys()
-            ):
-                raise InputError(f"{file} has a task that is none: {row}")
+            if not _is_row(row):
+                raise InputError(f"{file} has a task that is none: {str(row)[:LONGEST_REASON]!a}")
         identity(found)
     return found
+
+
+NAME = r"[\w .+-]{1,100}"
+
+
+def _is_row(row: Any) -> bool:
+    """A row of `play`, and of the index that it has in a result."""
+    kinds = {"index": int, "harm": bool, "runs": int, "reason": str, "curve": list}
+    kinds |= {"isolation": list}
+    if not (isinstance(row, dict) and all(isinstance(row.get(k), t) for k, t in kinds.items())):
+        return False
+    numbers = [row.get("left"), row.get("seconds"), *row["curve"]]
+    if not all(isinstance(each, float | int) and np.isfinite(each) for each in numbers):
+        return False
+    return (
+        0.0 < row["left"] <= LARGEST
+        and row["seconds"] >= 0.0
+        and min(row["curve"], default=1.0) >= 0.0
+        and len(row["reason"]) <= LONGEST_REASON
+        and (row["reason"].isprintable() and all(isinstance(one, str) for one in row["isolation"]))
+    )
 
 
 def _write(file: Path, result: Row) -> None:
@@ -191,13 +215,36 @@ def checked(result: Row, source: str, round: Round, tasks: int) -> Iterator[str]
         yield lacking
         return
     of = track_of(result["track"])
+    for row in result["tasks"]:
+        if inconsistent := _inconsistent(row, of, judged=round.judged):
+            yield f"task {row['index']}: {inconsistent}"
+            return
     for row in tenth(result["tasks"]):
         with EntryProcess(judged=round.judged) as process:
             again = play(source, of.draw(round, row["index"]), of, process)
-        if wrong := [name for name in COMPARED if not _same(again[name], row[name])]:
+        wrong = [name for name in COMPARED if not _same(again[name], row[name])]
+        if bool(again["reason"]) != bool(row["reason"]):
+            wrong.append("reason")
+        if wrong:
             first = wrong[0]
             said = f"task {row['index']}: {first} is {again[first]}, not {row[first]}"
             yield f"{said} {again['reason']}".rstrip()
+
+
+def _inconsistent(row: Row, of: Track, *, judged: bool) -> str:
+    """What of a row contradicts the rest of it; empty for nothing."""
+    lost, curve = bool(row["reason"]), np.array(row["curve"])
+    if judged and not {*row["isolation"]} >= ISOLATED:
+        return "it was played without the isolation of a judged round"
+    if bool(row["harm"]) != (lost or bool((curve > GROWTH).any())):
+        return f"harm is {row['harm']}, which is not that of its curve"
+    if lost or len(curve) == 0:
+        return "" if lost and row["left"] == LARGEST else "left is not that of a lost task"
+    # Where each run has an error without correction of its own, the curve does not say it.
+    left = row["left"] if of.goes_on else of.left(curve, np.ones(1))
+    if not _same(float(np.clip(left, SMALLEST, LARGEST)), row["left"]):
+        return f"left is {row['left']}, which is not that of its curve"
+    return ""
 
 
 COMPARED = ("left", "harm", "runs", "curve")

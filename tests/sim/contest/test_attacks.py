@@ -220,6 +220,52 @@ def test_an_entry_remembers_nothing_of_the_task_before(process):
     assert reason(process, LEFT_BEHIND) is None
 
 
+KERNEL = """
+import ctypes, os
+CALLS = {"x86_64": (248, 249, 250, 29, 64, 68, 240, 165, 272, 308),
+         "aarch64": (217, 218, 219, 194, 190, 186, 180, 40, 97, 268)}[os.uname().machine]
+CLONE, NEW_USER = {"x86_64": 56, "aarch64": 220}[os.uname().machine], 0x10000011
+class Entry:
+    def start(self, task):
+        call, found = ctypes.CDLL(None, use_errno=True).syscall, []
+        for number in CALLS:
+            if call(number, b"user", b"name", b"value", 5, -4) != -1 or ctypes.get_errno() != 1:
+                found.append(number)
+        if call(CLONE, NEW_USER, 0, 0, 0, 0) != -1:
+            found.append("namespace of a child")
+        raise RuntimeError(f"found: {found}")
+"""
+
+
+def test_what_the_kernel_keeps_of_a_process_is_refused(process):
+    """Keys, memory and queues of System V and POSIX would tell the next task of this one."""
+    assert reason(process, KERNEL) == "RuntimeError: found: []"
+    assert "kernel" in process.isolation
+
+
+LOCKED = """
+import os, numpy as np
+class Entry:
+    def start(self, task):
+        if os.path.exists("locked"): raise RuntimeError("remembers")
+        os.makedirs("locked/inside")
+        os.chmod("locked", 0)
+        return np.zeros((4, 1))
+"""
+DEEP = LOCKED.replace(
+    'os.makedirs("locked/inside")',
+    """os.mkdir("locked")
+        for _ in range(600):
+            os.mkdir("d"); os.chdir("d")""",
+).replace('os.chmod("locked", 0)', "pass")
+
+
+@pytest.mark.parametrize("source", [LOCKED, DEEP])
+def test_what_cannot_be_deleted_is_not_there_for_the_next_task(process, source):
+    assert reason(process, source) is None
+    assert reason(process, source) is None
+
+
 FORGED = """
 import os, stat, time
 from armside.sim.contest.frames import packed

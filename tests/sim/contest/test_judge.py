@@ -1,6 +1,7 @@
 """Tasks by the seal, and entries that lose one task and no other."""
 
 import hashlib
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 
 from armside.sim.contest import worker
-from armside.sim.contest.entry_process import EntryProcess
+from armside.sim.contest.entry_process import ISOLATED, EntryProcess
 from armside.sim.contest.joint_track import RANGES, TRACK, draw, left
 from armside.sim.contest.judge import LARGEST, begun, checked, judged, play, read_result
 from armside.sim.contest.seal import Round, new_round, read_round
@@ -138,7 +139,8 @@ def test_a_judged_round_without_isolation_runs_nothing_of_an_entry(again, tmp_pa
     text = text.replace('if asked["isolate"]:', "if False:").replace("os.getuid() == 0", "False")
     (tmp_path / "worker.py").write_text(text)
     result = begun("e", entry.read_text(), "joint", SEALED)
-    result["tasks"] = [{"index": 0, "left": 1.0}]
+    row = {"index": 0, "left": 1.0, "curve": [1.0], "harm": False, "reason": ""}
+    result["tasks"] = [row | {"isolation": [*ISOLATED]}]
     ways = {
         False: lambda: judged(file, entry, "joint", SEALED, 1, lambda: None),
         True: lambda: list(checked(result, entry.read_text(), SEALED, 1)),
@@ -193,7 +195,8 @@ def test_a_result_is_gone_on_from_and_checked(tmp_path):
     with pytest.raises(InputError, match="something else"):
         judged(file, entry, "joint", SEALED, 3, lambda: None)
     entry.write_text(ENTRY.format(body="return 0"))
-    with pytest.raises(InputError, match="something else"):
+    file.write_text(file.read_text().replace('"numpy": "0.', '"numpy": "'))
+    with pytest.raises(InputError, match=r"result of another e\.py: .* has changed since"):
         judged(file, entry, "joint", SEALED, 3, lambda: None)
 
 
@@ -211,10 +214,51 @@ def test_a_result_that_lacks_a_task_or_says_other_than_its_replay_is_found(tmp_p
     result, source = judged(file, entry, "joint", SEALED, 2, lambda: None), entry.read_text()
     for name, value in CHANGED.items():
         forged = result | {"tasks": [row | {name: value} for row in result["tasks"]]}
-        assert f"{name} is " in next(checked(forged, source, SEALED, 2))
+        said = "left is" if name == "curve" else f"{name} is "
+        assert said in next(checked(forged, source, SEALED, 2))
+    bare = result | {"tasks": [row | {"isolation": []} for row in result["tasks"]]}
+    assert "without the isolation" in next(checked(bare, source, SEALED, 2))
     for kept in (result["tasks"][:1], result["tasks"][1:], []):
         assert "lacks" in next(checked(result | {"tasks": kept}, source, SEALED, 2))
     assert "lacks" in next(checked(result, source, SEALED, 3))
+
+
+def test_every_task_of_a_result_is_held_against_its_own_curve(tmp_path):
+    """Not the tenth alone that is played again."""
+    entry, file = tmp_path / "e.py", tmp_path / "e.json"
+    entry.write_text(ENTRY.format(body="return None"))
+    result, source = judged(file, entry, "joint", SEALED, 2, lambda: None), entry.read_text()
+    rows = [*result["tasks"], *(result["tasks"][0] | {"index": i} for i in range(2, 40))]
+    rows[30] = rows[30] | {"left": 1e-4}
+    forged = result | {"tasks": rows}
+    assert "task 30: left is 0.0001, which" in next(checked(forged, source, SEALED, 40))
+
+
+BROKEN = [
+    {"curve": [[1.0], [2.0, 3.0]]},
+    {"curve": "x"},
+    {"curve": [-1.0]},
+    {"harm": -7},
+    {"seconds": -5.0},
+    {"seconds": float("nan")},
+    {"reason": "\x1b[31m"},
+    {"isolation": "all"},
+    {"runs": 1.5},
+]
+
+
+@pytest.mark.parametrize("change", BROKEN, ids=str)
+def test_a_result_with_a_task_that_is_none_is_refused_in_a_line(tmp_path, change):
+    entry, file = tmp_path / "e.py", tmp_path / "e.json"
+    entry.write_text(ENTRY.format(body="return None"))
+    result = judged(file, entry, "joint", SEALED, 1, lambda: None)
+    file.write_text(json.dumps(result | {"tasks": [result["tasks"][0] | change]}))
+    with pytest.raises(InputError, match="has a task that is none"):
+        read_result(file)
+    for name in (["a"], "[bold]best[/bold]", ""):
+        file.write_text(json.dumps(result | {"entry": result["entry"] | {"name": name}}))
+        with pytest.raises(InputError, match="the name of an entry"):
+            read_result(file)
 
 
 def test_tracks_are_those_of_the_rules():
