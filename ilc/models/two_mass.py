@@ -7,7 +7,7 @@ noise on the measured angle (future work of chapter 8).
 
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 
@@ -232,12 +232,17 @@ class FrictionPlant(_Repeated):
             raise ValueError(f"substeps must be >= 1, got {self.substeps}")
         super().__post_init__()
 
-    @records("correction")
-    def run(self, correction: Array, /) -> TwoMassRun:
+    @cached_property
+    def _held(self) -> tuple[Array, Array, Array]:
+        """A, and B of voltage and of the friction torque, over a substep."""
         joint, T_s = self.loop.joint, self.loop.sample_time
         A, B = joint.state_space
         friction = np.array([[0.0], [0.0], [0.0], [-1.0 / joint.Jm]])
         A_d, BB_d = zero_order_hold(A, np.hstack((B, friction)), T_s / self.substeps)
+        return np.ascontiguousarray(A_d), BB_d[:, 0].copy(), BB_d[:, 1].copy()
+
+    @records("correction")
+    def run(self, correction: Array, /) -> TwoMassRun:
         commanded = (self.motor_reference + correction)[:, 0]
         noise = np.zeros_like(commanded)
         if self.noise > 0.0 and self.rng is not None:
@@ -245,9 +250,8 @@ class FrictionPlant(_Repeated):
         F = self.loop.F
         b, a = np.zeros(2), np.zeros(2)
         b[: len(F.b)], a[: len(F.a)] = F.b, F.a
-        matrices = (np.ascontiguousarray(A_d), BB_d[:, 0].copy(), BB_d[:, 1].copy())
         signals = (commanded, noise)
-        motor, arm = _simulator()(*matrices, b, a, *signals, self.coulomb, self.substeps)
+        motor, arm = _simulator()(*self._held, b, a, *signals, self.coulomb, self.substeps)
         return TwoMassRun(motor[:, None], arm[:, None])
 
 
