@@ -25,6 +25,7 @@ SPEEDS = {f"v{n}": float(n) for n in _V}
 ZONES = {f"z{n}": float(n) for n in (1, 5, 10, 15, 20, 30, 40, 50, 60, 80, 100, 150, 200)}
 ZONES |= {"fine": 0.0, "z0": 0.3}
 """[mm/s], [mm]: names and values of the manual's speeddata and zonedata."""
+ATTRIBUTES = ("sysmodule", "noview", "nostepin", "viewonly", "readonly")
 LONGEST = 0.01
 """Largest deviation of a quaternion's length from 1."""
 SIZES = {"robtarget": (3, 4, 4, 6), "jointtarget": (6, 6), "pose": (3, 4)}
@@ -35,26 +36,43 @@ class Rapid(Reader):
 
     language = "rapid"
     grammar = (
-        r"(?P<skip>\s+|![^\n]*|^%%%[\s\S]*?%%%)|(?P<string>\"(?:[^\"\n]|\"\")*\")|"
+        r"(?P<skip>[ \t\r\n\f]+|![^\n]*|^%%%[\s\S]*?%%%)|(?P<string>\"(?:[^\"\n]|\"\")*\")|"
         + NUMBER
-        + r"|(?P<word>[A-Za-z_][A-Za-z_0-9]*)|(?P<sign>:=|[\\\[\](),;:{}+\-*/=<>?])"
+        + r"|(?P<word>[A-Za-zÀ-ÖØ-öø-ÿ_][A-Za-zÀ-ÖØ-öø-ÿ_0-9]*)"
+        + r"|(?P<sign>:=|[\\\[\](),;:{}+\-*/=<>?])"
     )
     end = (";",)
     routine, call, wait = ("proc", "endproc"), (), ("waittime",)
     moves: ClassVar = {"movel": MoveL, "movec": MoveC, "movej": MoveJ, "moveabsj": MoveJ}
     unmoving = frozenset({"confl", "confj", "singarea", "accset", "set", "reset", "tpwrite"})
-    unmoving |= {"setdo", "setao", "setgo", "tperase"}
+    unmoving |= {"setdo", "setao", "setgo", "pulsedo", "tperase", "gripload"}
+    unmoving |= {"actunit", "deactunit"}
+    outside: dict[str, Value | Aim]
+    """Data that stand in no routine."""
 
     def file(self) -> list[Statement]:
         cursor = self.cursor
         cursor.expect("module")
         cursor.take("word")
-        while cursor.next.text in ("(", ",", ")", "sysmodule", "noview", "nostepin", "viewonly"):
+        while cursor.next.text in ("(", ",", ")", *ATTRIBUTES):
             cursor.take()
         found = self.body("endmodule")
         if cursor.next.kind != "end":
             cursor.fail(f"one module is read, {cursor.next} follows it")
+        free = [name for name in self.routines if name not in self.called]
+        if len(free) > 1 and "main" not in self.routines:
+            which = f"which of {' and '.join(free[:4])} is the program: name one main"
+            cursor.fail(which, cursor.tokens[0])
+        self.routines = {name: self.routines[name] for name in (*free, *self.routines)}
         return found
+
+    def run(self, name: str, at: Token) -> None:
+        data = self.data
+        if not self.depth:
+            self.outside = data
+        self.data = dict(self.outside)
+        super().run(name, at)
+        self.data = data
 
     def statement(self, first: Token) -> list[Statement]:
         while self.cursor.has("local") or self.cursor.has("task"):
@@ -106,9 +124,12 @@ class Rapid(Reader):
     def _target(self) -> Callable[[], Aim]:
         """A robtarget; Offs of one where the offsets are numbers."""
         cursor = self.cursor
-        if not cursor.has("offs", "("):
-            return partial(self._aim, cursor.value())
         given, by = cursor.value(), list[float]()
+        if not cursor.has("("):
+            return partial(self._aim, given)
+        if not isinstance(given, Token) or given.text != "offs":
+            self.refuse(given, "a position must be a list, a name, or Offs of one by numbers")
+        given = cursor.value()
         for _ in range(3):
             cursor.expect(",")
             by.append(MM * cursor.number().value)
@@ -136,6 +157,8 @@ class Rapid(Reader):
         group = self._group(name, 3 if zero == "tool0" else 5, f"data of {name}")
         if not isinstance(group.items[0], Token) or group.items[0].text != held:
             self.refuse(group, f"{name}: a robot that holds its work is not understood")
+        if zero == "wobj0" and str(group.items[1]) != "true":
+            return Frame(name.text, None)  # a mechanical unit moves it
         pose = np.eye(4)
         for index in poses:
             point, rotation = self._lists(group.items[index], "pose")

@@ -51,6 +51,7 @@ class Reader:
     def __init__(self, texts: Sequence[Text]) -> None:
         self.texts, self.cursor = tuple(texts), Cursor(texts[0], self.grammar, self.fold)
         self.data, self.routines = dict[str, Value | Aim](), dict[str, list[Statement]]()
+        self.called = set[str]()
         self.instructions, self.places = list[Instruction](), list[Place]()
         self.tool, self.base, self.depth = Frame("tool"), Frame("base"), 0
 
@@ -101,13 +102,14 @@ class Reader:
         cursor, done = self.cursor, list[Statement]()
         if cursor.has(self.routine[0]):
             name = cursor.take("word")
-            if name.text in self.routines:
-                cursor.fail(f"{name} is there twice", name)
+            if name.text in self.routines or name.text in {*self.unmoving, *self.moves}:
+                cursor.fail(f"{name} is there already", name)
             cursor.expect(*self.head)
             self.routines[name.text] = []
             self.routines[name.text] += self.body(self.routine[1])
             return []
         if cursor.has(*self.wait):
+            cursor.has("\\", "inpos", ",")
             seconds = cursor.number().value
             cursor.has(")")
             done.append(lambda: self.add(partial(Wait, seconds=seconds), self.place(first)))
@@ -118,6 +120,7 @@ class Reader:
         elif first.text in self.moves and first.kind == "word":
             done += self.move(cursor.take())
         elif first.kind == "word" and self._called(first):
+            self.called.add(first.text)
             done.append(lambda: self.run(first.text, first))
         else:
             done += self.declaration(first)

@@ -86,6 +86,8 @@ def test_an_own_work_object_is_the_product_of_its_two_frames():
     np.testing.assert_allclose(place.base.pose[:3, 3], origin)
     np.testing.assert_allclose(place.tool.pose[:3, 3], [0.01, -0.02, 0.15])
     np.testing.assert_allclose(place.tool.pose[:3, 2], [1, 0, 0], atol=1e-12)
+    turned = HAND_WRITTEN[".mod"].replace('[FALSE,TRUE,""', '[FALSE,FALSE,"STN1"')
+    assert read_program(Text("m.mod", turned)).places[1].base.pose is None
 
 
 @pytest.mark.parametrize("ending", FIRST)
@@ -119,7 +121,7 @@ REFUSED = [
     ("m.mod", RAPID, "FOR i FROM 1 TO 3 DO", "FOR", "for"),
     ("m.mod", RAPID, "  IF n = 1 main;", "IF", "if"),
     ("m.mod", RAPID, f"MoveL Offs({AT},n,0,0), v40, z1, tool0;", "n,", "number"),
-    ("m.mod", RAPID, f"MoveL RelTool({AT},1,0,0), v40, z1, tool0;", "(", ","),
+    ("m.mod", RAPID, f"MoveL RelTool({AT},1,0,0), v40, z1, tool0;", "RelTool", "Offs"),
     ("m.mod", RAPID, f"MoveL {AT}, v40\\V:=50, z1, tool0;", "\\V", ","),
     ("m.mod", RAPID, f"MoveL {AT}, v41, z1, tool0;", "v41", "v41"),
     ("m.mod", RAPID, f"MoveL {AT}, v40, zMine, tool0;", "zMine", "zmine"),
@@ -128,6 +130,7 @@ REFUSED = [
     ("m.mod", RAPID, "p1 := p2;", "p1", "p1"),
     ("m.mod", RAPID, "main;", "main", "30 deep"),
     ("m.mod", RAPID, "other;", "other", "Routines: main"),
+    ("m.mod", RAPID, "ENDPROC PROC Reset()", "Reset", "already"),
     ("m.mod", RAPID, "SetDO doLaser, 1 MoveL p1, v40, fine, tool0;", "MoveL", "setdo"),
     ("m.src", KRL, "LOOP", "LOOP", "loop"),
     ("m.src", KRL, "IF $IN[1] THEN", "IF", "if"),
