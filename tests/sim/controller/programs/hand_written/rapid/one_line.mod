@@ -1,0 +1,4 @@
+MODULE OneLine
+! the post-processor of the old CAM seat writes no line breaks: leave it so, the loader of cell 2 counts lines
+PERS tooldata tL:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,50],[1,0,0,0],0,0,0]];CONST robtarget s:=[[300,0,200],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+PROC main() MoveJ s,v500,z10,tL;MoveL [[310,0,200],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v50,fine,tL;SetDO d1,1;MoveL [[320,2,200],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v50,z1,tL;MoveL [[330,6,200],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v50,z1,tL;MoveL [[340,12,200],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v50,z1,tL;MoveL [[350,20,200],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v50,fine,tL;SetDO d1,0;WaitTime 1;MoveL s,v500,fine,tL;TPWrite "END; MoveL s,v500,fine,tL;";ENDPROC ENDMODULE

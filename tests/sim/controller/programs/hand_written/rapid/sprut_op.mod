@@ -1,0 +1,30 @@
+MODULE SC0417
+!UNIT:MM  NC FILE:SC0417  OPERATIONS:2
+VAR num nOp:=0;
+CONST speeddata vF1:=[25,200,5000,1000];
+CONST speeddata vF2:=[16.6667,200,5000,1000];
+CONST speeddata vR:=[250,200,5000,1000];
+CONST zonedata zT:=[FALSE,0.5,0.75,0.75,0.08,0.75,0.08];
+PERS tooldata T5:=[TRUE,[[0,0,210],[1,0,0,0]],[6,[0,0,90],[1,0,0,0],0,0,0]];
+PERS wobjdata G54:=[FALSE,TRUE,"",[[900,0,500],[0,0,0,1]],[[0,0,0],[1,0,0,0]]];
+PROC main()
+Op1_Rough;
+Op2_Finish;
+ENDPROC
+PROC Op1_Rough()
+!T5 D10 BURR
+MoveJ[[-20,-20,60],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],vR,z10,T5\WObj:=G54;
+MoveL[[-20,-20,0.5],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],vR,fine,T5\WObj:=G54;
+MoveL[[0,0,0.5],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],vF1,zT,T5\WObj:=G54;
+MoveL[[80,0,0.5],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],vF1,zT,T5\WObj:=G54;
+MoveL[[80,0,60],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],vR,fine,T5\WObj:=G54;
+ENDPROC
+PROC Op2_Finish()
+!SAME EDGE WITHOUT STOCK
+MoveL[[0,0,60],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],vR,z1,T5\WObj:=G54;
+MoveL[[0,0,0],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],vF2,zT,T5\WObj:=G54;
+MoveL[[40,-0.035,0],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],vF2,zT,T5\WObj:=G54;
+MoveL[[80,0,0],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],vF2,fine,T5\WObj:=G54;
+ENDPROC
+!END OF SC0417
+ENDMODULE
