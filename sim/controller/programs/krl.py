@@ -6,6 +6,7 @@ length, and is read as none.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import ClassVar
 
@@ -13,21 +14,21 @@ import numpy as np
 
 from armside.kinematics.rotation import from_roll_pitch_yaw, to_quaternion
 
-from ...motion.instructions import MoveC, MoveJ, MoveL, Speed, Target
+from ...motion.instructions import MoveC, MoveJ, MoveL, Speed, Target, Wait
 from .program_text import Aim, Frame
 from .reader import End, Reader, Statement
-from .scanner import NUMBER, Group, Number, Token, Value
+from .scanner import NUMBER, Group, Number, Text, Token, Value
 
 MM = 1e-3
 TYPES = {"decl", "global", "const", "e6pos", "pos", "frame", "e6axis", "axis", "ldat", "pdat"}
 TYPES |= {"fdat", "int", "real", "bool", "char"}
 UNMOVING = {"$advance", "$acc.cp", "$acc.ori1", "$acc.ori2", "$acc_axis", "$bwdstart", "$out"}
-UNMOVING |= {"$anout", "$vel.ori1", "$vel.ori2", "$ori_type", "$circ_type", "pdat_act", "$h_pos"}
-UNMOVING |= {"$apo.cptp", "$apo.cvel", "$apo.cori"}
+UNMOVING |= {"$anout", "$vel.ori1", "$vel.ori2", "$ori_type", "$circ_type", "$h_pos"}
+UNMOVING |= {"$apo.cptp", "$apo.cvel", "$apo.cori", "$act_tool", "$act_base", "$load"}
 """Variables that leave the path of LIN and CIRC, blended by C_DIS, as it is."""
 BAS = {"#vel_cp": "$vel.cp", "#cp_params": "$vel.cp", "#vel_ptp": "$vel_axis"}
-BAS |= {"#ptp_params": "$vel_axis", "#tool": "tool_no", "#base": "base_no"}
-BAS |= dict.fromkeys(("#initmov", "#acc_cp", "#acc_ptp", "#ptp_dat", "#cp_dat", "#frames"), "")
+BAS |= {"#ptp_params": "$vel_axis", "#tool": "tool_no", "#base": "base_no", "#initmov": "#initmov"}
+BAS |= dict.fromkeys(("#acc_cp", "#acc_ptp", "#ptp_dat", "#frames"), "")
 POSE, AXES = ("x", "y", "z", "a", "b", "c"), ("a1", "a2", "a3", "a4", "a5", "a6")
 
 
@@ -45,7 +46,22 @@ class Krl(Reader):
     end = ("newline",)
     routine, call, wait = ("def", "end"), ("(", ")"), ("wait", "sec")
     moves: ClassVar = {"ptp": MoveJ, "lin": MoveL, "circ": MoveC}
-    unmoving = frozenset(("ext", "extfct"))
+    unmoving = frozenset(("ext", "extfct", "set_cd_params"))
+
+    def __init__(self, texts: Sequence[Text]) -> None:
+        super().__init__(texts)
+        self.tool, self.base = Frame("$TOOL", None), Frame("$BASE", None)  # as the last run left it
+        self.own = dict[str, Value | Aim | None]()
+
+    def run(self, name: str, at: Token) -> None:
+        """With variables of its own, and those of their names as they were after it."""
+        outer, self.own = self.own, {}
+        super().run(name, at)
+        for variable, value in self.own.items():
+            self.data.pop(variable, None)
+            if value is not None:
+                self.data[variable] = value
+        self.own = outer
 
     def file(self) -> list[Statement]:
         cursor = self.cursor
@@ -65,12 +81,24 @@ class Krl(Reader):
             if cursor.has("decl"):
                 while not self.ends and cursor.next.text != "ir_stopm":
                     cursor.take()
-                cursor.expect("ir_stopm", "(", ")")
+                if not cursor.has("ir_stopm", "(", ")"):
+                    cursor.fail("of interrupts only that to IR_STOPM is understood", first)
             else:
                 cursor.expect("on")
                 cursor.number()
             return []
+        start = cursor.at
+        if cursor.has("wait", "sec"):
+            if cursor.number().value == 0.0:
+                return [self._stop]
+            cursor.at = start
+            return [self._stop, *super().statement(first)]
         return super().statement(first)
+
+    def _stop(self) -> None:
+        """The advance run stops: the move before it ends in its target, and is not blended."""
+        if self.instructions and not isinstance(last := self.instructions[-1], Wait):
+            self.instructions[-1] = replace(last, zone=0.0)
 
     def declaration(self, first: Token) -> list[Statement]:
         """Type, names and value of a variable; its value alone; or BAS(#NAME, value)."""
@@ -82,19 +110,26 @@ class Krl(Reader):
             number = cursor.number() if cursor.has(",") else Number(0.0, first.text_of, 0, 0)
             cursor.expect(")")
             return [lambda: self._set(BAS[name.text], number, name)]
-        declared = False
-        while cursor.next.text in TYPES:
+        declared, going = False, cursor.has("continue")
+        if going and cursor.take("newline") and self.ends:
+            return []  # it is for the next line alone, also for a blank one
+        first = cursor.next
+        while cursor.next.text in TYPES or (
+            declared and cursor.tokens[cursor.at + 1].kind == "word"
+        ):
             cursor.take()
             declared = True
         at, variable = cursor.next, self._name()
+        own = [variable]
         while declared and cursor.has(","):
-            variable = self._name()
+            own.append(variable := self._name())
         if declared and self.ends:
-            return []
+            return [lambda: self.own.update({name: self.data.pop(name, None) for name in own})]
         if not cursor.has("="):
             cursor.fail(f"{first} is not understood", first)
         value = self._value()
-        return [lambda: self._set(variable, value, at)]
+        stops = variable.startswith(("$out[", "$anout[", "$act_")) and not going
+        return [*[self._stop] * stops, lambda: self._set(variable, value, at)]
 
     def _name(self) -> str:
         """A name, with its index where it has one."""
@@ -118,9 +153,19 @@ class Krl(Reader):
                 self.tool = self._frame(value, "tool_data")
             case "$base" | "base_no":
                 self.base = self._frame(value, "base_data")
-            case "fdat_act" | "ldat_act":
-                to = {"tool_no": "tool_no", "base_no": "base_no", "apo_dist": "$apo.cdis"}
-                for field, given in self._fields(value, ()).items():
+            case "#initmov":  # as bas.src has it; its speed and blend are not in the file
+                for setting in ("$vel.cp", "$apo.cdis", "$vel_axis", "$advance"):
+                    self.data.pop(setting, None)
+                one = Number(1.0, at.text_of, at.start, at.end)
+                self.tool, self.base = self._frame(one, "tool_data"), Frame("base_data[0]")
+            case "pdat_act" if isinstance(value, Token) and value.text not in self.data:
+                pass  # PDEFAULT of $config.dat, whose blend is in percent
+            case "fdat_act" | "ldat_act" | "pdat_act":
+                to = {"tool_no": "tool_no", "base_no": "base_no", "ipo_frame": "$ipo_mode"}
+                fields = self._fields(value, ())
+                if base != "pdat_act" or str(fields.get("apo_mode")) == "#cdis":
+                    to["apo_dist"] = "$apo.cdis"
+                for field, given in fields.items():
                     if field in to:
                         self._set(to[field], given, at)
             case "$ipo_mode":
@@ -131,16 +176,17 @@ class Krl(Reader):
             case _:
                 if base and base not in UNMOVING and (base[0] == "$" or "." in base):
                     self.refuse(at, f"{at} is not understood")
-                self.data[name] = value
+                known = self.data.get(value.text) if isinstance(value, Token) else None
+                self.data[name] = known or value  # a copy: what it is a copy of may change
 
     def _frame(self, value: Value, numbered: str) -> Frame:
-        """$NULLFRAME, a frame, or one by number, of which 0 is the flange or the robot's base."""
+        """A zero frame, a frame, or one by number, of which 0 is the flange or the robot's base."""
         if isinstance(value, Number):
             if value.value == 0.0:
                 return Frame(f"{numbered}[0]")
             value = Token("word", f"{numbered}[{value.value:g}]", value.text_of, value.start, 0)
         name = value.text if isinstance(value, Token) else numbered
-        if name == "$nullframe":
+        if name in ("$nullframe", "$world"):
             return Frame(name)
         known = not isinstance(value, Token) or name in self.data
         return Frame(name, self._aim(value).pose if known else None)
@@ -153,13 +199,15 @@ class Krl(Reader):
             to.append(self._target())
         percent = joint and cursor.has("c_ptp")
         blended = cursor.has("c_dis") and not percent
+        cursor.has("c_dis")  # inline forms write it twice, for what may come next
 
         def how() -> tuple[Speed, float]:
             if joint:
                 speed = Speed(share=self._given("$vel_axis", 100.0) / 100.0)
             else:
                 speed = Speed(path=self._given("$vel.cp"))
-            return speed, MM * self._given("$apo.cdis") if blended else 0.0
+            exact = not blended or self._given("$advance", 3.0) == 0.0
+            return speed, 0.0 if exact else MM * self._given("$apo.cdis")
 
         return [self.moving(first, to, how)]
 

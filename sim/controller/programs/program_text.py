@@ -127,4 +127,6 @@ class ProgramText:
         new = f"{number.value + step / UNIT[self.language]:.{n}f}"
         if float(new) == float(f"{number.value:.{n}f}"):
             return old
-        return new if float(new) else new.removeprefix("-")
+        new = new if float(new) else new.removeprefix("-")
+        glued = number.text_of.content[number.start - 1 : number.start].isalnum()
+        return f" {new}" if glued and new[0] != "-" else new  # X-1 would become the name X1

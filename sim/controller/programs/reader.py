@@ -63,7 +63,8 @@ class Reader:
             top += self.file()
         for statement in top:
             statement()
-        entry = "main" if "main" in self.routines else next(iter(self.routines), "")
+        named = "main" in self.routines and self.language != "krl"  # its first is that of the file
+        entry = "main" if named else next(iter(self.routines), "")
         if not self.places and entry:
             self.run(entry, Token("word", entry, self.texts[0], 0, 0))
         program = Program(

@@ -149,6 +149,8 @@ class Cursor:
         if depth == DEEPEST:
             self.fail(f"brackets are at most {DEEPEST} deep")
         self.take()
+        if left == "{" and self.tokens[self.at + 1].text == ":":  # {E6POS: X 1, ...}
+            self.at += 2
         items, names = list[Value](), list[str]()
         while not self.has(right):
             if items:

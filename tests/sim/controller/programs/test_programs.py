@@ -139,6 +139,8 @@ REFUSED = [
     ("m.src", KRL, f"LIN {POSE} C_VEL", "C_VEL", "c_vel"),
     ("m.src", KRL, "LIN_REL {X 1}", "LIN_REL", "lin_rel"),
     ("m.src", KRL, "$OV_PRO=50", "$OV_PRO", "$ov_pro"),
+    ("m.src", KRL, "BAS(#CP_DAT)", "#CP_DAT", "#cp_dat"),
+    ("m.src", KRL, "INTERRUPT DECL 4 WHEN $IN[1]==TRUE DO m( )", "INTERRUPT", "IR_STOPM"),
     ("m.src", "DEF m( )\nWAIT SEC 1\n{}\nEND", f"LIN {POSE}", "LIN", "$VEL.CP"),
     ("m.src", KRL, f"CIRC {POSE},{POSE},CA 90", ",CA", ","),
     ("m.script", UR, "  while True:", "while", "while"),
@@ -176,3 +178,21 @@ def test_what_is_set_counts_from_there_on():
     assert (first.speed.path, first.zone) == (0.1, 0.0)
     assert (second.speed.path, second.zone) == (0.2, 0.002)
     assert (read.places[1].base.name, read.places[1].base.pose) == ("base_data[3]", None)
+
+
+def test_tool_and_base_that_a_krl_program_does_not_set_are_not_known():
+    """They are what the last program left, or INITMOV's: not the flange. $WORLD is all zero."""
+    lines = [f"LIN {POSE}", "BAS(#INITMOV,0)", "$VEL.CP=1", f"LIN {POSE}", "$BASE=$WORLD"]
+    read = read_program(Text("m.src", KRL.format("\n".join([*lines, f"LIN {POSE}"]))))
+    left, initial, last = read.places
+    assert (left.tool.pose, left.base.pose) == (None, None)
+    assert (initial.tool.name, initial.tool.pose) == ("tool_data[1]", None)
+    np.testing.assert_array_equal([initial.base.pose, last.base.pose], [np.eye(4)] * 2)
+
+
+def test_a_number_that_loses_its_sign_stays_apart_from_its_axis():
+    content = KRL.format("LIN {X-0.5,Y+5,Z-9,A+0,B+0,C+0}")
+    read = read_program(Text("m.src", content))
+    (text,) = read.edited({read.places[0].aim.point: np.full(3, 1e-3)})
+    assert text.content == content.replace("X-0.5,Y+5,Z-9", "X 0.5000,Y 6.0000,Z-8.0000")
+    assert read_program(text).program.move(0).to.position == pytest.approx((5e-4, 6e-3, -8e-3))
