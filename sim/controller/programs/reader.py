@@ -4,7 +4,8 @@ A text is parsed whole, and refused where it is not understood. Then its stateme
 in their order, as the controller does: what a move refers to is what is set by then.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from functools import partial
 from typing import ClassVar, NoReturn
 
@@ -50,7 +51,8 @@ class Reader:
 
     def __init__(self, texts: Sequence[Text]) -> None:
         self.texts, self.cursor = tuple(texts), Cursor(texts[0], self.grammar, self.fold)
-        self.data, self.routines = dict[str, Value | Aim](), dict[str, list[Statement]]()
+        self.data: MutableMapping[str, Value | Aim] = {}
+        self.routines = dict[str, list[Statement]]()
         self.instructions, self.places = list[Instruction](), list[Place]()
         self.tool, self.base, self.depth = Frame("tool"), Frame("base"), 0
 
@@ -62,7 +64,9 @@ class Reader:
             top += self.file()
         for statement in top:
             statement()
-        entry = "main" if "main" in self.routines else next(iter(self.routines), "")
+        words = Counter(token.text for token in self.cursor.tokens)
+        free = [name for name in self.routines if words[name] == 1]  # that nothing calls
+        entry = "main" if "main" in self.routines else next(iter([*free, *self.routines]), "")
         if not self.places and entry:
             self.run(entry, Token("word", entry, self.texts[0], 0, 0))
         program = Program(
@@ -112,9 +116,7 @@ class Reader:
             cursor.has(")")
             done.append(lambda: self.add(partial(Wait, seconds=seconds), self.place(first)))
         elif first.text in self.unmoving and first.kind == "word":
-            while not self.ends:
-                if (token := cursor.take()).text in (*self.moves, *self.routine):
-                    cursor.fail(f"the end of {first} is missing before {token}", token)
+            self.pass_over(first)
         elif first.text in self.moves and first.kind == "word":
             done += self.move(cursor.take())
         elif first.kind == "word" and self._called(first):
@@ -126,6 +128,12 @@ class Reader:
         if cursor.next.kind != "end":
             cursor.take()
         return done
+
+    def pass_over(self, first: Token) -> None:
+        """An instruction that moves nothing."""
+        while not self.ends:
+            if (token := self.cursor.take()).text in (*self.moves, *self.routine):
+                self.cursor.fail(f"the end of {first} is missing before {token}", token)
 
     @property
     def ends(self) -> bool:

@@ -5,6 +5,7 @@ Every byte is one character (latin-1), so that a text is written back as it was 
 
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import NamedTuple, NoReturn
 
@@ -26,9 +27,12 @@ class Text:
 
     def fail(self, at: int, reason: str) -> NoReturn:
         """Raise ProgramError with file, line and column, both from 1."""
-        start = self.content.rfind("\n", 0, at) + 1
-        column = len(self.content[start:at].encode("latin-1").decode("utf-8", "replace")) + 1
-        raise ProgramError(f"{self.name}, line {self.line(at)}, column {column}: {reason}")
+        before = self.content[self.content.rfind("\n", 0, at) + 1 : at]
+        with suppress(UnicodeDecodeError):  # a text that is no UTF-8 is latin-1
+            self.content.encode("latin-1").decode("utf-8")
+            before = before.encode("latin-1").decode("utf-8", "replace")
+        place = f"line {self.line(at)}, column {len(before) + 1}"
+        raise ProgramError(f"{self.name}, {place}: {reason}")
 
     def line(self, at: int) -> int:
         """Line of a place, from 1."""
