@@ -63,6 +63,10 @@ class Krl(Reader):
                 self.data[variable] = value
         self.own = outer
 
+    def entry(self) -> str:
+        """The first routine is that of the file."""
+        return next(iter(self.routines), "")
+
     def file(self) -> list[Statement]:
         cursor = self.cursor
         while cursor.next.kind == "newline":

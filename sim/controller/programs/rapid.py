@@ -63,7 +63,6 @@ class Rapid(Reader):
         if len(free) > 1 and "main" not in self.routines:
             which = f"which of {' and '.join(free[:4])} is the program: name one main"
             cursor.fail(which, cursor.tokens[0])
-        self.routines = {name: self.routines[name] for name in (*free, *self.routines)}
         return found
 
     def run(self, name: str, at: Token) -> None:

@@ -4,7 +4,7 @@ A text is parsed whole, and refused where it is not understood. Then its stateme
 in their order, as the controller does: what a move refers to is what is set by then.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from functools import partial
 from typing import ClassVar, NoReturn
 
@@ -50,8 +50,8 @@ class Reader:
 
     def __init__(self, texts: Sequence[Text]) -> None:
         self.texts, self.cursor = tuple(texts), Cursor(texts[0], self.grammar, self.fold)
-        self.data, self.routines = dict[str, Value | Aim](), dict[str, list[Statement]]()
-        self.called = set[str]()
+        self.data: MutableMapping[str, Value | Aim] = {}
+        self.routines, self.called = dict[str, list[Statement]](), set[str]()
         self.instructions, self.places = list[Instruction](), list[Place]()
         self.tool, self.base, self.depth = Frame("tool"), Frame("base"), 0
 
@@ -63,8 +63,7 @@ class Reader:
             top += self.file()
         for statement in top:
             statement()
-        named = "main" in self.routines and self.language != "krl"  # its first is that of the file
-        entry = "main" if named else next(iter(self.routines), "")
+        entry = self.entry()
         if not self.places and entry:
             self.run(entry, Token("word", entry, self.texts[0], 0, 0))
         program = Program(
@@ -79,6 +78,11 @@ class Reader:
             places=tuple(self.places),
             entry=entry,
         )
+
+    def entry(self) -> str:
+        """Routine that the program starts with: main, or the first that no other calls."""
+        free = [name for name in self.routines if name not in self.called]
+        return next((n for n in ("main", *free, *self.routines) if n in self.routines), "")
 
     def file(self) -> list[Statement]:
         """Statements of one file outside of its routines."""
@@ -115,9 +119,7 @@ class Reader:
             cursor.has(")")
             done.append(lambda: self.add(partial(Wait, seconds=seconds), self.place(first)))
         elif first.text in self.unmoving and first.kind == "word":
-            while not self.ends:
-                if (token := cursor.take()).text in (*self.moves, *self.routine):
-                    cursor.fail(f"the end of {first} is missing before {token}", token)
+            self.pass_over(first)
         elif first.text in self.moves and first.kind == "word":
             done += self.move(cursor.take())
         elif first.kind == "word" and self._called(first):
@@ -130,6 +132,12 @@ class Reader:
         if cursor.next.kind != "end":
             cursor.take()
         return done
+
+    def pass_over(self, first: Token) -> None:
+        """An instruction that moves nothing."""
+        while not self.ends:
+            if (token := self.cursor.take()).text in (*self.moves, *self.routine):
+                self.cursor.fail(f"the end of {first} is missing before {token}", token)
 
     @property
     def ends(self) -> bool:

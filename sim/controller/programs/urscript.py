@@ -4,6 +4,7 @@ Conventions by "The URScript programming language": m, rad, rotation vector; v [
 [rad/s] in movej; r, the radius of a blend [m]. Blends must not overlap.
 """
 
+from collections import ChainMap
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -25,15 +26,21 @@ SPEED, JOINT_SPEED = 0.25, 1.05
 HIGHEST = np.pi
 """Highest speed of a joint [rad/s]. ESTIMATE: 180 deg/s, as of the wrists."""
 NO_TURN = 1e-12
+COUNTER = (
+    r"thread (?P<thread>Step_Counter_Thread_\w+)\(\):\s+while \(True\):\s+(?P<count>\w+) = "
+    r"(?P=count) \+ 1(?:\.0)?\s+sync\(\)\s+end\s+end\s+run (?P=thread)\(\)"
+)
+"""PolyScope's own thread, which counts time and does nothing."""
 Made = Callable[[], "Value | Aim"]
 
 
 class UrScript(Reader):
-    """Reader of a script: its lines, or its first function where it calls none."""
+    """Reader of a script: its lines, or the function that no other calls where it calls none."""
 
     language = "urscript"
     grammar = (
-        r"(?P<skip>[ \t\r\f]+|#[^\n]*)|(?P<newline>\n)|(?P<string>\"[^\"\n]*\")|"
+        rf"(?P<skip>[ \t\f]+|(?:#|\$ [0-9])[^\r\n]*|{COUNTER})|(?P<newline>\r?\n)|"
+        + r"(?P<string>\"[^\"\r\n]*\")|"
         + NUMBER
         + r"|(?P<word>[A-Za-z_][A-Za-z_0-9]*)|(?P<sign>==|[\[\](),:{}+\-*/=<>?])"
     )
@@ -44,42 +51,76 @@ class UrScript(Reader):
     moves: ClassVar = {"movel": MoveL, "movep": MoveL, "movec": MoveC, "movej": MoveJ}
     unmoving = frozenset(
         [f"set_{kind}digital_out" for kind in ("", "standard_", "configurable_", "tool_")]
-        + ["set_payload", "set_payload_mass", "set_payload_cog", "set_gravity", "textmsg"]
-        + ["set_analog_out", "set_standard_analog_out"]
+        + [f"set_{kind}analog_out" for kind in ("", "standard_")]
+        + [f"set_{kind}_analog_input_domain" for kind in ("standard", "tool")]
+        + [f"set_tool_{what}" for what in ("communication", "output_mode", "voltage")]
+        + ["set_payload", "set_payload_mass", "set_payload_cog", "set_target_payload"]
+        + ["set_tool_digital_output_mode", "set_analog_outputdomain", "set_gravity", "textmsg"]
+        + ["set_input_actions_to_default", "set_safety_mode_transition_hardness"]
     )
 
     def file(self) -> list[Statement]:
         self.tool = Frame("the installation's TCP", None)
+        self.shared = self.own = self.data
         return self.body("")
+
+    def run(self, name: str, at: Token) -> None:
+        """Carry out a function, which sees its own variables and the global ones; all variables of
+        the program's first level are global."""
+        outer = self.own, self.data
+        self.own = {} if self.depth or self.shared else self.shared
+        self.data = ChainMap(self.own, self.shared)
+        super().run(name, at)
+        self.own, self.data = outer
+
+    def pass_over(self, first: Token) -> None:
+        """Up to its bracket: another statement may follow in the line."""
+        self.cursor.expect(first.text, "(")
+        depth = 1
+        while depth and not self.ends:
+            text = self.cursor.take().text
+            depth += (text == "(") - (text == ")")
 
     def declaration(self, first: Token) -> list[Statement]:
         cursor = self.cursor
         if cursor.has("set_tcp", "("):
             value = self._value()
+            if cursor.has(","):
+                cursor.has("tcp_name", "=")
+                cursor.take("string")
             cursor.expect(")")
             return [lambda: self._set_tool(value(), first)]
-        for word in ("global", "local"):
-            cursor.has(word)
+        scope = next((word for word in ("global", "local") if cursor.has(word)), "")
         name = cursor.take("word").text
         if not cursor.has("="):
             cursor.fail(f"{first} is not understood", first)
         value = self._value()
-        return [lambda: self.data.update({name: value()})]
+        return [lambda: self._assign(name, value(), scope)]
+
+    def _assign(self, name: str, value: "Value | Aim", scope: str) -> None:
+        free = not scope and name not in self.own
+        found = self.shared if scope == "global" or (free and name in self.shared) else self.own
+        found[name] = value
 
     def _set_tool(self, given: "Value | Aim", at: Token) -> None:
-        self.tool = Frame("the TCP that is set", self._aim(given, at).pose)
+        if (aim := self._aim(given, at)).base is not None:
+            self.refuse(at, "a TCP in a feature is not understood")
+        self.tool = Frame("the TCP that is set", aim.pose)
 
     def _value(self, depth: int = 0) -> Made:
         """Number, name, [joints], p[pose], pose_add(P, p[..]) or pose_trans(F, P)."""
         cursor, first = self.cursor, self.cursor.next
         if depth > 2:
             cursor.fail("functions are at most 2 deep")
-        if first.kind == "word" and cursor.tokens[cursor.at + 1].text == "[" and cursor.has("p"):
+        after = cursor.tokens[cursor.at + 1].text if first.kind == "word" else ""
+        if after == "[" and cursor.has("p"):
             pose = cursor.value()
             return lambda: self._pose(pose)
+        if after != "(":
+            value, plain = cursor.value(), first.kind == "string" or first.text in ("True", "False")
+            return lambda: value if plain else self.named(value)
         if first.text not in ("pose_add", "pose_trans"):
-            value = cursor.value()
-            return lambda: self.named(value)
+            cursor.fail(f"{first} is not understood", first)
         cursor.take()
         cursor.expect("(")
         left = self._value(depth + 1)
@@ -108,7 +149,13 @@ class UrScript(Reader):
     def move(self, first: Token) -> list[Statement]:
         cursor, names = self.cursor, ARGUMENTS[first.text].split()
         cursor.expect("(")
+        inverse = first.text == "movej" and cursor.has("get_inverse_kin", "(")
         to, given = [partial(self._end, self._value(), first)], dict[str, Made]()
+        if inverse:  # which of the solutions is left to the controller
+            if cursor.has(","):
+                cursor.has("qnear", "=")
+                self._value()
+            cursor.expect(")")
         if first.text == "movec":
             cursor.expect(",")
             to.append(partial(self._end, self._value(), first))

@@ -147,8 +147,10 @@ REFUSED = [
     ("m.script", UR, "  movel(p[0,0,0,0,0,0], t=3)", "movel", "time"),
     ("m.script", UR, "  movel(p[0,0,0,0,0], v=1)", "[", "6 numbers"),
     ("m.script", UR, "  movel(pHere, v=1)", "pHere", "pHere"),
+    ("m.script", UR, "  set_tcp(pose_trans(p[0,0,0,0,0,0],p[0,0,0,0,0,0]))", "set", "feature"),
+    ("m.script", UR, "  movej(get_inverse_kin(pHere), v=1)", "pHere", "pHere"),
     ("m.script", UR, "  movel(p[0,0,0,0,0,0], v=1, w=2)", "w=", "each once"),
-    ("m.script", UR, "  movel(get_actual_tcp_pose(), v=1)", "()", ")"),
+    ("m.script", UR, "  movel(get_actual_tcp_pose(), v=1)", "get_actual", "get_actual_tcp_pose"),
     ("m.script", UR, "  x = 1 + 2", "+", "+"),
     ("m.script", UR, "  servoj([0,0,0,0,0,0])", "servoj", "servoj"),
 ]
