@@ -5,7 +5,7 @@ Conventions by the "Technical reference manual: RAPID Instructions, Functions an
 of the tool's path, at most half of the distance to the closest position.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, MutableMapping
 from functools import partial
 from typing import ClassVar
 
@@ -47,7 +47,7 @@ class Rapid(Reader):
     unmoving = frozenset({"confl", "confj", "singarea", "accset", "set", "reset", "tpwrite"})
     unmoving |= {"setdo", "setao", "setgo", "pulsedo", "tperase", "gripload"}
     unmoving |= {"actunit", "deactunit"}
-    outside: dict[str, Value | Aim]
+    outside: MutableMapping[str, Value | Aim]
     """Data that stand in no routine."""
 
     def file(self) -> list[Statement]:
