@@ -93,7 +93,7 @@ class Krl(Reader):
             return []
         start = cursor.at
         if cursor.has("wait", "sec"):
-            if cursor.number().value == 0.0:
+            if isinstance(value := cursor.value(), Number) and value.value == 0.0:
                 return [self._stop]
             cursor.at = start
             return [self._stop, *super().statement(first)]

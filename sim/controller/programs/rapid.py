@@ -123,7 +123,7 @@ class Rapid(Reader):
     def _target(self) -> Callable[[], Aim]:
         """A robtarget; Offs of one where the offsets are numbers."""
         cursor = self.cursor
-        given, by = cursor.value(), list[float]()
+        given, by = cursor.value(), list[Value]()
         if not cursor.has("("):
             return partial(self._aim, given)
         if not isinstance(given, Token) or given.text != "offs":
@@ -131,9 +131,9 @@ class Rapid(Reader):
         given = cursor.value()
         for _ in range(3):
             cursor.expect(",")
-            by.append(MM * cursor.number().value)
+            by.append(cursor.value())
         cursor.expect(")")
-        return lambda: self._aim(given).moved(by)
+        return lambda: self._aim(given).moved([MM * self.number(each).value for each in by])
 
     def _aim(self, given: Value) -> Aim:
         point, rotation, _, external = self._lists(given, "robtarget")

@@ -115,9 +115,9 @@ class Reader:
             return []
         if cursor.has(*self.wait):
             cursor.has("\\", "inpos", ",")
-            seconds = cursor.number().value
+            given = cursor.value()
             cursor.has(")")
-            done.append(lambda: self.add(partial(Wait, seconds=seconds), self.place(first)))
+            done.append(lambda: self._wait(given, self.place(first)))
         elif first.text in self.unmoving and first.kind == "word":
             self.pass_over(first)
         elif first.text in self.moves and first.kind == "word":
@@ -132,6 +132,10 @@ class Reader:
         if cursor.next.kind != "end":
             cursor.take()
         return done
+
+    def _wait(self, given: Value, place: Place) -> None:
+        seconds = self.number(given).value
+        self.add(lambda: Wait(seconds=seconds), place)
 
     def pass_over(self, first: Token) -> None:
         """An instruction that moves nothing."""

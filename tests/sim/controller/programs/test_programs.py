@@ -120,7 +120,7 @@ UR = "def m():\n  v = 1\n{}\nend"
 REFUSED = [
     ("m.mod", RAPID, "FOR i FROM 1 TO 3 DO", "FOR", "for"),
     ("m.mod", RAPID, "  IF n = 1 main;", "IF", "if"),
-    ("m.mod", RAPID, f"MoveL Offs({AT},n,0,0), v40, z1, tool0;", "n,", "number"),
+    ("m.mod", RAPID, f"MoveL Offs({AT},n,0,0), v40, z1, tool0;", "n,", "declared"),
     ("m.mod", RAPID, f"MoveL RelTool({AT},1,0,0), v40, z1, tool0;", "RelTool", "Offs"),
     ("m.mod", RAPID, f"MoveL {AT}, v40\\V:=50, z1, tool0;", "\\V", ","),
     ("m.mod", RAPID, f"MoveL {AT}, v41, z1, tool0;", "v41", "v41"),
