@@ -5,7 +5,6 @@ in their order, as the controller does: what a move refers to is what is set by 
 """
 
 from collections.abc import Callable, Mapping, MutableMapping, Sequence
-from functools import partial
 from typing import ClassVar, NoReturn
 
 from ...motion.instructions import (
