@@ -52,6 +52,12 @@ class ToolLaw:
     guarded: bool = True
     """Reduce the gain when errors no longer fall."""
 
+    def band(self, plants: PathPlants, turn_rate: float) -> float:
+        """Cutoff of Q [Hz] on the arm along a path."""
+        if self.cutoff is not None:
+            return self.cutoff
+        return pass_band(turn_rate, plants.lowest_mode, plants.excitation)
+
     def along(self, plants: PathPlants, turn_rate: float, *, rotations: bool = True) -> Law:
         """The law on the arm along a path. Raises ValueError for design variables out of range.
 
@@ -61,8 +67,7 @@ class ToolLaw:
             turn_rate: of the programmed contour [turns/s].
             rotations: errors have orientations, not positions alone.
         """
-        band = pass_band(turn_rate, plants.lowest_mode, plants.excitation)
-        cutoff = band if self.cutoff is None else self.cutoff
+        cutoff = self.band(plants, turn_rate)
         rotation = ROTATION_WEIGHT if rotations else 0.0
         weight = (1.0, 1.0, 1.0, rotation, rotation, rotation)
         low_pass = ZeroPhaseButterworth(cutoff, LOG_PERIOD)

@@ -4,19 +4,23 @@
 
 The path by motors and springs is fitted to the contour first; m is the motion by which it is beside
 it, d the deviation of the scan after a fit of its own. Along the path and in height a scan sees
-nothing, and the error is zero. On the leads, and within `HELD` of both ends, what the tool deviates
-beyond the expected path fades to zero at rest. Without an IMU the springs, of the path and of the
-law, are those that explain the first scan.
+nothing: there the error is what keeps the whole in the law's pass band, which a deviation across a
+path that turns is not. On the leads, and within `HELD` of both ends, what the tool deviates beyond
+the expected path fades to zero at rest. Without an IMU the springs, of the path and of the law, are
+those that explain the first scan.
 """
 
 import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from armside.arrays import Array
+from armside.ilc.filters import ZeroPhaseButterworth
 from armside.ilc.laws import Law
 
 from ..estimation.arm_plant import PathPlants, plants_along
@@ -52,9 +56,14 @@ _CORRELATION = 4.3
 """Scale of residuals over their RMS, as if samples were independent: an edge lasts for 3 mm."""
 _NOISE = 30e-6
 """[m], least scale: geometry and gear errors, that springs cannot explain. ESTIMATE."""
-_STEPS, _STEP, _LARGEST_STEP = 4, 0.05, 0.5
-_STARTS = 0.0, 0.7
-"""Log stiffness of the structure."""
+_PASSES = 40
+"""Of the low pass, after which the error across the path is put back."""
+_STEPS, _STEP, _LARGEST_STEP, _CONVERGED = 15, 0.05, 0.5, 0.02
+_PARTS = 1.0, 0.5, 0.25, 0.1
+"""Of a step, the first with which the fit is better."""
+_STARTS = 0.0, 0.7, 1.2
+"""Log stiffness of the structure: some end where others are far better. Chosen on robots of
+development."""
 
 
 class Scans(Protocol):
@@ -219,7 +228,7 @@ def springs_by_scan(
     """Springs of gears and structure, and lost motion, that explain the scan of a run best; None if
     an arm without any explains it as well.
 
-    Regularised Gauss-Newton from nominal springs on, and from a stiffer structure; residuals weigh
+    Regularised Gauss-Newton from nominal springs on, and from stiffer structures; residuals weigh
     by what they leave.
     """
     sd, n = prior.standard_deviation(nominal), len(nominal.stiffness)
@@ -227,25 +236,38 @@ def springs_by_scan(
     feet = seen.feet(_tool(motion, nominal))
 
     def left(theta: Array) -> Array:
-        return seen.residual(_tool(motion, parameters_at(nominal, theta).springs), feet)
+        """Not finite with springs that cannot carry the arm."""
+        try:
+            return seen.residual(_tool(motion, parameters_at(nominal, theta).springs), feet)
+        except (FloatingPointError, RuntimeError):
+            return np.full(sum(map(len, feet)), np.nan)
 
     best, least = None, _rms(seen.residual(_tool(motion, None), feet))
     for structure in _STARTS:
         theta = np.zeros_like(sd)
         theta[:n] = structure
         theta[nominal.axes] = 0.0
-        try:
-            now = left(theta)
-            for _ in range(_STEPS):
-                moved = [left(theta + _STEP * one) for one in np.eye(len(sd))[free]]
-                A = (now - np.array(moved)).T / _STEP
-                scale = max(_CORRELATION * _rms(now), _NOISE)
-                normal = A.T @ A / scale**2 + np.diag(sd[free] ** -2.0)
-                step = np.linalg.solve(normal, A.T @ now / scale**2 - theta[free] / sd[free] ** 2)
-                theta[free] += np.clip(step, -_LARGEST_STEP, _LARGEST_STEP)
-                now = left(theta)
-        except (FloatingPointError, RuntimeError):  # springs that cannot carry the arm
-            continue
+        now = left(theta)
+        for _ in range(_STEPS):
+            moved = np.array([left(theta + _STEP * one) for one in np.eye(len(sd))[free]])
+            if not (np.isfinite(now).all() and np.isfinite(moved).all()):
+                break
+            A, scale = (now - moved).T / _STEP, max(_CORRELATION * _rms(now), _NOISE)
+            normal = A.T @ A / scale**2 + np.diag(sd[free] ** -2.0)
+            step = np.linalg.solve(normal, A.T @ now / scale**2 - theta[free] / sd[free] ** 2)
+            step = np.clip(step, -_LARGEST_STEP, _LARGEST_STEP)
+            before = now @ now / scale**2 + np.sum((theta / sd) ** 2)
+            for part in _PARTS:
+                tried = theta.copy()
+                tried[free] += part * step
+                then = left(tried)
+                if then @ then / scale**2 + np.sum((tried / sd) ** 2) < before:
+                    break
+            else:
+                break
+            theta, now = tried, then
+            if np.abs(part * step).max() < _CONVERGED:
+                break
         if _rms(now) < least:
             best, least = parameters_at(nominal, theta).springs, _rms(now)
     return best
@@ -296,19 +318,26 @@ class ScanOutput:
 
     def __call__(self, run: Pass) -> Array:
         """Raises ValueError as `Seen.of`."""
-        log = run.recording
-        seen = Seen.of(self.experiment, self.measure.scans(self.experiment, run), log.time)
+        across, normal = self._deviation(run)
         output = self.reference.copy()
-        output[:, :3] += self._deviation(seen, log.motor_angle)
+        output[:, :3] += self._in_band(across, normal)
         return output
+
+    def across(self, run: Pass) -> Array:
+        """(N, 3) [m], deviation of the tool across the path alone. Raises ValueError as
+        `Seen.of`."""
+        across, normal = self._deviation(run)
+        return across[:, None] * normal
 
     def size(self, error: Array) -> Array:
         """Norm of the displacement."""
         return np.array([float(np.linalg.norm(error[:, :3]))])
 
-    def _deviation(self, seen: Seen, motor_angle: Array) -> Array:
-        """(N, 3) [m], of the tool across the path."""
-        expected = self._expected(motor_angle)
+    def _deviation(self, run: Pass) -> tuple[Array, Array]:
+        """Of the tool across the path (N,) [m], and the normals (N, 3)."""
+        log = run.recording
+        seen = Seen.of(self.experiment, self.measure.scans(self.experiment, run), log.time)
+        expected = self._expected(log.motor_angle)
         d, normal = self._off_path(expected)
         beyond, there = np.zeros(len(d)), np.zeros(len(d), dtype=bool)
         for one, made, on in zip(seen.places, seen.shapes, seen.on, strict=True):
@@ -322,13 +351,27 @@ class ScanOutput:
             wanted = made.at(s, one.curve.length) + taken_off(one.curve, s) @ path.motion
             off = path.deviation[rows] + taken_off(one.curve, s) @ path.motion
             beyond[at], d[at], there[at] = side * (wanted - off), side * off, True
-        return (d + self._faded(beyond, there))[:, None] * normal
+        return d + self._faded(beyond, there), normal
+
+    def _in_band(self, across: Array, normal: Array) -> Array:
+        """(N, 3) [m] with a part (N,) along normals (N, 3), the rest free but zero at rest."""
+        cutoff = self.measure.law.band(self.plants, self.experiment.turn_rate)
+        low_pass, found = ZeroPhaseButterworth(cutoff, LOG_PERIOD), across[:, None] * normal
+        for _ in range(_PASSES):
+            found = low_pass(found)
+            found += (across - np.einsum("ij,ij->i", found, normal))[:, None] * normal
+            found[self._at_rest] = 0.0
+        return found
+
+    @cached_property
+    def _at_rest(self) -> NDArray[np.bool_]:
+        """(N,)."""
+        step = np.linalg.norm(np.gradient(self.experiment.programmed, axis=0), axis=1)
+        return np.asarray(step < 1e-9)
 
     def _faded(self, beyond: Array, there: np.ndarray) -> Array:
         """What is beyond (N,), interpolated between places, and to zero where the tool rests."""
-        v = np.linalg.norm(np.gradient(self.experiment.programmed, axis=0), axis=1)
-        at_rest = v < 1e-9
-        known = np.flatnonzero(there | at_rest)
+        known = np.flatnonzero(there | self._at_rest)
         x = np.arange(len(beyond))
         after = np.clip(np.searchsorted(known, x), 1, len(known) - 1)
         i, j = known[after - 1], known[after]

@@ -131,7 +131,10 @@ def placement(
     sheet: of each contour its curve, its middle on the drawing, and its points [m].
     """
     points = [np.array(each, dtype=np.float64) for _, _, each in sheet]
-    pose = Pose(0.0, 0.0, 0.0)
+    drawn = [curve.point(np.linspace(0.0, curve.length, 100)) + at for curve, at, _ in sheet]
+    # From middle to middle: one that lies a good part of its size away would turn by a corner.
+    x, y = np.mean([p.mean(axis=0) - q.mean(axis=0) for p, q in zip(points, drawn, strict=True)], 0)
+    pose = Pose(float(x), float(y), 0.0)
     for _ in range(STEPS):
         normals, off, at = list[Array](), list[Array](), list[Array]()
         for (curve, middle, _), each in zip(sheet, points, strict=True):

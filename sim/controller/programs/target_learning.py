@@ -315,7 +315,7 @@ def _by_scan(
         assert isinstance(output, ScanOutput)
 
         def by_scan(run: Pass) -> Array:
-            return weight * (output.reference - output(planned(run)))[:, :3]
+            return -weight * output.across(planned(run))
 
         known = experiment.nominal if not output.springs else _known(experiment, output.springs)
         return ContourOutput(program, by_scan, law_by(Model(program, robot or known)), output)

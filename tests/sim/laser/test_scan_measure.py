@@ -4,11 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.claims._tasks import DEVELOPMENT_SEED, tasks
 
+from armside.ilc.filters import ZeroPhaseButterworth
 from armside.sim.laser import Cut, prepare
 from armside.sim.laser.loop import learn
 from armside.sim.laser.scan_measure import ScannedPart, VirtualScans
-from armside.sim.motion.contour import outward_normal, square
+from armside.sim.motion.contour import outward_normal, slot, square
+from armside.sim.robot.spread import Drawn
+from armside.sim.robot.virtual_robot import LOG_PERIOD
 from armside.sim.scan.shape import shape, taken_off
 from armside.sim.scan.virtual_reading import ScanErrors
 
@@ -60,6 +64,29 @@ def test_an_exact_scan_shows_the_tool_across_the_contour(experiment, first):
     # A deviation that is put 50 um beside its place, where springs are off, in the bends.
     assert np.std(off) < 0.06 * np.std(true.deviation)
     assert (change[:, 2] == 0.0).all()  # nothing of the height
+
+
+def test_what_a_scan_does_not_see_keeps_the_error_in_the_pass_band():
+    """Across the path it is what was seen, and in quick bends the low pass takes less of it."""
+    experiment = prepare(replace(CUT, contour=slot(0.008, 0.003), speed=0.07), seed=3)
+    first = experiment.plant.run(np.zeros_like(experiment.loaded.reference))
+    output = ScannedPart(identified=False).prepare(experiment)(first)
+    whole, across = (output(first) - output.reference)[:, :3], output.across(first)
+    seen = np.linalg.norm(across, axis=1)
+    normal = across / np.maximum(seen, 1e-12)[:, None]
+    np.testing.assert_allclose(np.einsum("ij,ij->i", whole, normal), seen, rtol=0, atol=1e-9)
+    band = output.measure.law.band(output.plants, experiment.turn_rate)
+    low_pass = ZeroPhaseButterworth(band, LOG_PERIOD)
+    lost = [np.einsum("ij,ij->i", each - low_pass(each), normal) for each in (whole, across)]
+    assert np.linalg.norm(lost[0]) < 0.7 * np.linalg.norm(lost[1])
+
+
+def test_springs_are_sought_until_the_scan_is_explained():
+    """A slot of an individual of development, whose stiffer starts end at 0.16 mm."""
+    _, cut = tasks(7, DEVELOPMENT_SEED + 1003)[6]
+    runs = learn(replace(cut, individual=Drawn(1003)), measure=ScannedPart(), iterations=2, seed=3)
+    rms = [one.tool_true.rms for one in runs]
+    assert rms[-1] < 0.15 * rms[0]
 
 
 def test_at_rest_nothing_is_learned(experiment, first):

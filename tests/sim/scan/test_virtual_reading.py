@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from armside.sim.evaluation.tool_error import signed_distance
-from armside.sim.motion.contour import Circle, outward_normal, square
+from armside.sim.motion.contour import Circle, hexagon, outward_normal, square
 from armside.sim.scan.virtual_reading import (
     CALIBRATED,
     BeamPath,
@@ -78,3 +78,16 @@ def test_a_kerf_is_wider_clockwise_by_the_difference_of_the_directions():
     ]
     there, again = (scan.contours["circle"].deviation.mean() for scan in read)
     assert again - there == pytest.approx(0.5 * width, abs=0.5e-6)  # of a side
+
+
+def test_a_symmetric_contour_a_good_part_of_its_size_away_is_not_turned_by_a_corner():
+    """As a part's mark would not let it: a robot with geometry errors cuts 4 mm beside."""
+    curve = hexagon(7e-3, 1e-3)
+    s = np.linspace(0.0, curve.length, 500)
+    bump = 50e-6 * np.exp(-(((s - 0.3 * curve.length) / 1e-3) ** 2))
+    cut = curve.point(s) + bump[:, None] * outward_normal(curve.tangent(s))
+    for away in ((0.0, 0.0), (-1.2e-3, 3.5e-3)):
+        one = BeamPath(curve=curve, middle=(0.0, 0.0), path=cut + away)
+        (seen,) = virtual_scan({"hexagon": one}, np.random.default_rng(0)).contours.values()
+        found = seen.arc_length[seen.deviation.argmax()]
+        assert found == pytest.approx(0.3 * curve.length, abs=1e-3)
