@@ -37,7 +37,9 @@ _SAME = 1e-6
 
 
 def write_drawing(folder: Path, sheet: tuple[float, float]) -> None:
-    """The drawing [mm], and the plan that `read_coupon` needs. sheet: width and height [m].
+    """The drawing [mm], each contour on a layer of its name, and the plan that `read_coupon` needs.
+
+    sheet: width and height [m].
 
     Raises ValueError for a sheet that is too small, ModuleNotFoundError without ezdxf.
     """
@@ -52,12 +54,13 @@ def write_drawing(folder: Path, sheet: tuple[float, float]) -> None:
         if name == "mark" or (one is not None and isinstance(one.curve, Circle)):
             middle = chain.points[:2].mean(axis=0) / MM
             radius = 0.5 * float(np.linalg.norm(chain.points[1] - chain.points[0])) / MM
-            space.add_circle(tuple(middle), radius)
+            space.add_circle(tuple(middle), radius, dxfattribs={"layer": name})
             continue
         bulge = np.append(chain.bulge, 0.0)
         points = np.column_stack([chain.points / MM, bulge])
         closed = chain.closed
-        space.add_lwpolyline(points[: -1 if closed else None].tolist(), format="xyb", close=closed)
+        drawn = points[: -1 if closed else None].tolist()
+        space.add_lwpolyline(drawn, format="xyb", close=closed, dxfattribs={"layer": name})
     document.saveas(folder / DRAWING)
     cuts = [
         {"name": n, "middle": one.middle, "speed": one.speed, "clockwise": one.clockwise}

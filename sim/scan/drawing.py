@@ -31,10 +31,13 @@ def read_drawing(
 
     def made(chains: list[DrawnChain], notes: tuple[str, ...]) -> SheetDrawing:
         contours, seen = dict[str, ChainCurve](), Counter[str]()
-        for each in chains:
-            seen[each.name] += 1
-            n = seen[each.name]
-            name = each.name if n == 1 else f"{each.name} ({n})"
+        on = Counter(each.layer for each in chains)
+        for each in chains:  # by a layer of its own, as of a coupon
+            alone = on[each.layer] == 1 < len(chains) and each.layer not in ("", "0")
+            own = each.layer if alone else each.name
+            seen[own] += 1
+            n = seen[own]
+            name = own if n == 1 else f"{own} ({n})"
             chain = each.chain.reversed if each.chain.closed and each.chain.area < 0 else each.chain
             contours[name] = ChainCurve(chain)
         lines = [shapely.LineString(curve.chain.polygon()) for curve in contours.values()]

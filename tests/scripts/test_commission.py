@@ -3,6 +3,7 @@
 import json
 import shutil
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -255,6 +256,9 @@ def test_a_scanned_coupon_shows_where_an_uncorrected_robot_cut(coupon, summary_o
     assert found["scale"] == 1e-4  # which a cut that is too small does not widen
     left_out = [note.split(": ")[1].split() for note in found["notes"] if "left out" in note]
     assert all(float(lost) < 0.05 * float(of) for lost, _, of, *_ in left_out), left_out
+    plan = json.loads((Path(coupon) / "coupon.json").read_text("utf-8"))
+    named = [of["contour"] for of in found["contours"]]
+    assert named == [*(of["name"] for of in plan["contours"]), "mark", "kerf"]
     *cut, mark, kerf = (of["rms"] for of in found["contours"])
     assert max(cut) > 150e-6
     assert max(mark, kerf) < 20e-6  # drawn as they should be, but for the sheet's common place
