@@ -30,7 +30,7 @@ FULL_INSTANCES = {
     "laser-irb1400-poses": 20, "estimation-irb1400": 10, "estimation-arms": 2, "long-way": 10,
     "fast-motion": 10, "first-cut": 6, "first-cut-imu": 6, "forecast": 30, "forecast-twin": 6,
     "imu-twin": 2, "aliens": 3, "robots": 5, "robots-design": 3, "knob-free": 100,
-    "basis-functions": 2, "urdf": 5, "programs": 10, "programs-auto": 10, "contest": 10,
+    "basis-functions": 2, "urdf": 5, "programs": 10, "contest": 10,
     "contest-robot": 12, "scan-image": 20, "scan-twin": 10, "scan-twin-development": 6,
     "scan-learning": 10,
 }  # fmt: skip
