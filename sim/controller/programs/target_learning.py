@@ -43,6 +43,7 @@ from ...robot.model import RobotModel
 from ...robot.recording import Recording
 from ...robot.run import cores, run_batch
 from ...robot.virtual_robot import LOG_PERIOD, VirtualRobot
+from .correction import LARGEST_OFFSET
 from .tool_path import nearest_across
 from .virtual_run import FINE, PlannedProgram, ProgramPlant, ProgramRun
 
@@ -258,7 +259,8 @@ def damped_step(program: PlannedProgram, inverses: list[Damped], error: Array) -
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Refined(FirstOrderLaw):
-    """A law on a model, and Levenberg-Marquardt steps from where it ends."""
+    """A law on a model, and Levenberg-Marquardt steps from where it ends, never to offsets that
+    `corrected` refuses."""
 
     law: Simulated
     model: Model
@@ -277,11 +279,13 @@ class Refined(FirstOrderLaw):
             about, before = model.about(program.offsets(best), model.robot, NEARBY), _size(left)
             for _ in range(TRIES):
                 tried = best + damped_step(program, damped(about, rho), left)
+                rho *= 4.0
+                if np.linalg.norm(program.offsets(tried), axis=1).max() > LARGEST_OFFSET:
+                    continue
                 residual = model(tried) + unexplained
                 if _size(residual) < _size(left):
-                    best, left, rho = tried, residual, rho / 3.0
+                    best, left, rho = tried, residual, rho / 12.0
                     break
-                rho *= 4.0
             if _size(left) > WORTH * before:
                 break
         return best
