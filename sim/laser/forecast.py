@@ -258,7 +258,8 @@ def _known_arm(base: Experiment, first: Pass, measure: ToolPath) -> Commissioned
     arm = nominal_arm(robot, NominalCfg(structure=True, payload=base.added_payload))
     motion, springs = rigid_motion(arm, log.time, log.motor_angle), nominal_elasticity(robot, arm)
     parameters = ArmParameters(springs, 0.0, FRACTION, np.zeros(3))
-    plants = plants_along(robot, motion, springs, identified=True)
+    hard = motion.excitation(robot)
+    plants = plants_along(robot, motion, springs, identified=True, excitation=hard)
     estimator = ToolEstimator(arm, parameters, measure.imu, motion)
     return Commissioned(parameters, None, estimator, plants, None, springs)
 

@@ -101,6 +101,17 @@ def at_most(statement: str, value: float, bar: float, form: str = ".3f", label: 
     return Check("", words, "", value, high=bar)
 
 
+def between(statement: str, value: float, low: float, high: float) -> Check:
+    """The check that a value lies between two bars, ends included, with all in its words."""
+    words = f"{statement}: {low:g} to {high:g} ({value:.3f})"
+    return Check("", words, "", value, low=low, high=high)
+
+
+def at_least(statement: str, value: float, bar: float) -> Check:
+    """The check that a value is not below its bar, with both in its words."""
+    return Check("", f"{statement}: at least {bar:g} ({value:.3f})", "", value, low=bar)
+
+
 def within(values: np.ndarray, low: float, high: float) -> bool:
     """True if all values lie between the ends, which are left out."""
     return bool(((values > low) & (values < high)).all())

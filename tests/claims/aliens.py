@@ -30,7 +30,7 @@ from armside.sim.robot.alien import ALIEN
 from armside.sim.robot.spread import EVERY, Alien, Drawn
 from armside.sim.twin.commission import MOST, ImplausibleError, commission
 
-from ._engine import Check, Claim, Row, Rows, all_hold, crossed
+from ._engine import Check, Claim, Row, Rows, all_hold, at_least, at_most, crossed
 from ._tasks import tasks
 from ._twins import commissioning_cuts, first_runs, left_alone
 
@@ -139,8 +139,8 @@ def checks(rows: Rows) -> Iterator[Check]:
     for effect, own in rows.by("effect").items():
         if effect not in (NONE, EVERY):
             twin, learned = (float(np.median(own.joined(k))) for k in ("_left", "_learned"))
-            yield Check("", f"{effect}: median left by the twin", "", twin, high=TWIN)
-            yield Check("", f"{effect}: median left by the estimate", "", learned, high=ESTIMATE)
+            yield at_most(f"{effect}: median left by the twin", twin, TWIN)
+            yield at_most(f"{effect}: median left by the estimate", learned, ESTIMATE)
         if effect != NONE:
             yield from _covered(f"{effect}: in the twin's interval", own, "_inside", "_refused")
             what = f"{effect}: in the forecast interval"
@@ -152,7 +152,7 @@ def _covered(what: str, rows: Rows, inside: str, refused: str) -> Iterator[Check
     used = ~rows.joined(refused)
     if used.any():
         of = f"{what}, of {used.sum()} of {len(used)} not refused"
-        yield Check("", of, "", float(rows.joined(inside)[used].mean()), low=COVERAGE)
+        yield at_least(of, float(rows.joined(inside)[used].mean()), COVERAGE)
 
 
 CLAIM = Claim(

@@ -29,7 +29,7 @@ from armside.sim.motion.timing import PathLimits
 from armside.sim.robot.spread import Drawn
 from armside.sim.twin.commission import MOST, commission
 
-from ._engine import Check, Claim, Row, Rows, Tally
+from ._engine import Check, Claim, Row, Rows, Tally, at_most, between
 from ._tasks import _can_be_made, tasks
 from ._twins import commissioning_cuts, first_runs, left_alone
 
@@ -94,11 +94,13 @@ def cells(
     ahead = [found.of(measure, k) for k in UPDATES]
     refused = left is None
     ends = np.full(len(UPDATES), np.nan) if left is None else left
+    inside = [a.low <= end <= a.high for a, end in zip(ahead, ends, strict=True)]
     return {
         **{"task": kind, "robot": number, "measure": measure, "refused": refused},
         **{f"forecast k = {a.updates}": a.median for a in ahead},
         **{f"left k = {k}": float(end) for k, end in zip(UPDATES, ends, strict=True)},
-        "_inside": [a.low <= end <= a.high for a, end in zip(ahead, ends, strict=True)],
+        **{f"inside k = {k}": held for k, held in zip(UPDATES, inside, strict=True)},
+        "_inside": inside,
         "_worse": [float(end > 1.0) for end in ends],
         "_said": [a.worse for a in ahead],
     }
@@ -117,15 +119,15 @@ def checks(rows: Rows) -> Iterator[Check]:
             ]
             if off:
                 what = f"{measure}, k = {k}: share that ends worse, off by, mean over tasks"
-                yield Check("", what, "", float(np.mean(off)), high=0.1)
+                yield at_most(what, float(np.mean(off)), 0.1)
 
 
 def _of_half(what: str, rows: Rows) -> Iterator[Check]:
-    yield Check("", f"{what}: refused", "", float(np.mean(rows["refused"])), high=REFUSED)
+    yield at_most(f"{what}: refused", float(np.mean(rows["refused"])), REFUSED)
     learned = [row["_inside"] for row in rows if not row["refused"]]
     for k, inside in zip(UPDATES, np.mean(learned, axis=0) if learned else (), strict=False):
         which = f"{what}, k = {k}: inside the interval of 90 %"
-        yield Check("", which, "", inside, low=0.85, high=0.95)
+        yield between(which, float(inside), 0.85, 0.95)
 
 
 CLAIM = Claim(
@@ -152,8 +154,7 @@ def run_twin(seed: int, tally: Tally) -> Iterator[Row]:
 
 def checks_twin(rows: Rows) -> Iterator[Check]:
     inside = [row["_inside"] for row in rows if row["corrected"]]
-    what = "inside the interval of 90 %"
-    yield Check("", what, "", float(np.mean(inside)), low=0.85, high=0.95)
+    yield between("inside the interval of 90 %", float(np.mean(inside)), 0.85, 0.95)
 
 
 CLAIM_TWIN = Claim(

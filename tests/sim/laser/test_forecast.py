@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
+from armside.sim.estimation.tool_law import OF_HARD, ToolLaw
 from armside.sim.instruments.imu import ImuCfg
 from armside.sim.laser import forecast as ahead
+from armside.sim.laser.experiment import prepare
 from armside.sim.laser.forecast import CALIBRATION, Calibration, Member, forecast, summarised
 from armside.sim.laser.specification import Cut
+from armside.sim.laser.tool_measure import Source, ToolPath
 from armside.sim.motion.contour import square
 from armside.sim.motion.timing import PathLimits
 from armside.sim.robot.spread import Drawn
@@ -50,6 +53,13 @@ def test_an_estimate_leaves_what_a_tracker_leaves_and_what_it_does_not_see(plain
     assert found.of("tracker", 5).median == pytest.approx(0.1)
     assert found.of("estimate", 5).median == pytest.approx(0.26)
     assert found.of("twin", 0).median == pytest.approx(np.hypot(0.01, 0.3))
+
+
+def test_a_hard_cut_is_forecast_with_the_band_that_it_is_learned_with():
+    base = prepare(HARD)
+    first = base.plant.run(np.zeros_like(base.loaded.reference))
+    plants = ahead._known_arm(base, first, ToolPath(source=Source.TRACKER)).plants
+    assert ToolLaw().band(plants, base.turn_rate) == OF_HARD
 
 
 def test_calibration_moves_the_median_and_widens_the_interval(monkeypatch):

@@ -19,7 +19,13 @@ from armside.sim.controller.programs import (
     read_program,
     rows_of,
 )
-from armside.sim.controller.programs.target_learning import HEIGHT, Model, across, law_of
+from armside.sim.controller.programs.target_learning import (
+    HEIGHT,
+    Confirmed,
+    Model,
+    across,
+    law_of,
+)
 from armside.sim.controller.programs.tool_path import CORNERS
 from armside.sim.laser.experiment import prepare
 from armside.sim.laser.loop import measure_of
@@ -178,6 +184,22 @@ def test_steps_about_the_run_with_friction_leave_less_in_corners_than_passes_wit
     before = model(none)
     passes, refined = (np.linalg.norm(model(each(none, before))) for each in (law.law, law))
     assert refined < 0.8 * passes < 0.1 * np.linalg.norm(before)
+
+
+@pytest.mark.parametrize(("missed", "step"), [(0.0, 2.0), (0.55, 2.0), (0.65, 1.0), (1.0, 1.0)])
+def test_a_law_is_refined_once_its_model_has_said_what_a_run_brings(missed, step):
+    """A model of gain -3 says what falls; passes alone step by 1, refined by 2."""
+
+    def refined(u, _):
+        return u + 2.0
+
+    refined.law, refined.model = lambda u, _: u + 1.0, lambda u: -3e-3 * u
+    law, u, e = Confirmed(law=refined, weight=(1.0, 1.0, 1.0)), np.zeros((9, 3)), np.full((9, 3), 9)
+    first, memory = law.step(u, e, None)
+    np.testing.assert_array_equal(first, 1.0)
+    said = refined.model(first)
+    second, _ = law.step(first, e + (1.0 - missed) * said, memory)
+    np.testing.assert_allclose(second - first, step)
 
 
 def test_another_interpolator_than_assumed_leaves_less_than_the_uncorrected_program():
