@@ -368,15 +368,6 @@ def _refuse_arcs_between(text: ProgramText) -> None:
             place.text.fail(place.at, why)
 
 
-def _pace(clock: tuple[Array, Array] | None) -> float:
-    """Time of a run over that of its plan, in the median over its places."""
-    if clock is None:
-        return 1.0
-    ran, planned = (np.diff(each) for each in clock)
-    moves = planned > 0.0
-    return float(np.median(ran[moves] / planned[moves]))
-
-
 class Learned(NamedTuple):
     """What one recorded run taught."""
 
@@ -443,7 +434,8 @@ def learned_from(
     if measure == "tracker" and not (seen := run.tracker.valid).all():
         lost = f"the laser tracker lost its beam in {100 * (1 - seen.mean()):.2g} % of the run"
         notes = (*notes, Note(cause=Cause.BEAM, text=f"{lost}: nothing is learned there"))
-    pace = _pace(run.clock)
+    assert run.clock is not None
+    pace = program.pace(run.clock)
     if abs(pace - 1.0) > EVEN:
         told = f"the run takes {pace:.2f} times as long as programmed: a correction is of one speed"
         notes = (*notes, Note(cause=Cause.PROGRAM, text=told))

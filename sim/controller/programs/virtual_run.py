@@ -35,6 +35,8 @@ FINE = 2e-5
 """Between samples of a path [m]: their chords are off by 1e-8 m on a radius of 5 mm."""
 TICK = 5e-4
 """Between samples of a plan [s]."""
+STEADY = 0.95
+"""Least speed of a plan over its top speed, by which a run's pace is told."""
 REST_AFTER = 0.35
 """[s], as of a cut."""
 
@@ -188,6 +190,23 @@ class PlannedProgram:
         found = np.zeros((self.ends[-1], 3))
         found[self.free] = splu((own.T @ own).tocsc()).solve(own.T @ displacement)
         return found
+
+    def is_steady(self, time: Array) -> NDArray[np.bool_]:
+        """Times of the plan [s] at which a row has at least `STEADY` of its speed."""
+        found = np.zeros(len(time), dtype=bool)
+        for stretch in self.stretches:
+            speed = stretch.timing.at(time - stretch.start)[1]
+            found |= speed >= STEADY * stretch.timing.top_speed
+        return found
+
+    def pace(self, clock: tuple[Array, Array]) -> float:
+        """Time of a run, where the plan is steady, over that of the plan.
+
+        clock: times (P,) [s] of run and plan at the same places.
+        """
+        plan = np.arange(0.0, self.experiment.motion.motion_end, TICK)
+        steady = self.is_steady(plan[1:] - TICK / 2)
+        return float(np.diff(np.interp(plan, clock[1], clock[0]))[steady].mean() / TICK)
 
     def rows(self, offsets: Array) -> list[Row]:
         """Rows with moved targets."""

@@ -23,7 +23,10 @@ from armside.sim.controller.programs.target_learning import (
     HEIGHT,
     Confirmed,
     Model,
+    Refined,
+    TargetStep,
     across,
+    as_run,
     law_of,
 )
 from armside.sim.controller.programs.tool_path import CORNERS
@@ -182,34 +185,77 @@ def test_steps_about_the_run_with_friction_leave_less_in_corners_than_passes_wit
     model = Model(made, made.experiment.loaded.model)
     law, none = law_of(model), np.zeros((len(made.experiment.motion.time), 3))
     before = model(none)
-    passes, refined = (np.linalg.norm(model(each(none, before))) for each in (law.law, law))
+    both = (replace(law, steps=0), law)
+    passes, refined = (np.linalg.norm(model(each(none, before))) for each in both)
     assert refined < 0.8 * passes < 0.1 * np.linalg.norm(before)
 
 
+class Falls(Model):
+    """A model of gain -3 mm."""
+
+    def __call__(self, displacement):
+        return -3e-3 * displacement
+
+
+class Steps(Refined):
+    """Passes alone step by 1, refined by 2."""
+
+    def __call__(self, correction, error):
+        return correction + (2.0 if self.steps else 1.0)
+
+
+def confirmed(program):
+    model, axes = Falls(program, None), (1.0, 1.0, 1.0)
+    return Confirmed(law=Steps(simulation=model, law=TargetStep(model), weight=axes), weight=axes)
+
+
 @pytest.mark.parametrize(("missed", "step"), [(0.0, 2.0), (0.55, 2.0), (0.65, 1.0), (1.0, 1.0)])
-def test_a_law_is_refined_once_its_model_has_said_what_a_run_brings(missed, step):
-    """A model of gain -3 says what falls; passes alone step by 1, refined by 2."""
-
-    def refined(u, _):
-        return u + 2.0
-
-    refined.law, refined.model = lambda u, _: u + 1.0, lambda u: -3e-3 * u
-    law, u, e = Confirmed(law=refined, weight=(1.0, 1.0, 1.0)), np.zeros((9, 3)), np.full((9, 3), 9)
+def test_a_law_is_refined_once_its_model_has_said_what_a_run_brings(program, missed, step):
+    law, u, e = confirmed(program), np.zeros((9, 3)), np.full((9, 3), 9.0)
     first, memory = law.step(u, e, None)
     np.testing.assert_array_equal(first, 1.0)
-    said = refined.model(first)
-    second, _ = law.step(first, e + (1.0 - missed) * said, memory)
+    second, _ = law.step(first, e + (1.0 - missed) * law.law.simulation(first), memory)
     np.testing.assert_allclose(second - first, step)
 
 
-def test_another_interpolator_than_assumed_leaves_less_than_the_uncorrected_program():
-    """One of them; all in `make claims NAME=programs`."""
-    experiment = prepare(Cut(), seed=3)
-    made = PlannedProgram.of(experiment, 2e-3)
-    other = replace(made, interpolator=VIRTUAL["sharp corners, 10 % dips"])
-    plant = ProgramPlant.of(other)
+def test_an_error_that_grows_in_the_plane_is_seen_beside_heights_that_fall(program):
+    """10 um across the path become 15, while 100 um of height go: half a step back."""
+    law, u = confirmed(program), np.zeros((9, 3))
+    across, up = program.experiment.motion.plane.axes[:, [0, 2]].T
+    before, after = np.tile(10.0 * across + 100.0 * up, (9, 1)), np.tile(15.0 * across, (9, 1))
+    first, memory = law.step(u, before, None)
+    second, memory = law.step(first, after, memory)
+    assert (memory.setbacks, memory.size) == (1, pytest.approx(10.0 / np.sqrt(3.0)))
+    np.testing.assert_allclose(second, 0.5)
+
+
+SEEN = [
+    (Interpolator(), 0.0, {0.004}),
+    (Interpolator(corner="quintic"), 0.0, {0.004}),
+    (Interpolator(dip=0.3), 0.3, {0.004}),
+    (Interpolator(dip=0.1), 0.1, {0.004}),
+    (Interpolator(block_time=1.15 * 2e-3 / 0.04), 0.0, {0.004}),  # slower, without dips
+    (Interpolator(cycle=0.012), 0.0, {0.008, 0.012}),
+]
+
+
+@pytest.mark.parametrize(("how", "dip", "cycles"), SEEN)
+def test_dips_and_far_set_points_are_seen_in_the_motors_of_a_first_run(program, how, dip, cycles):
+    """By the nominal robot, of a run of another. Both shake lost motion loose."""
+    none = np.zeros((len(program.experiment.motion.time), 3))
+    first = ProgramPlant.of(replace(program, interpolator=how)).run(none)
+    model = as_run(Model(program, program.experiment.nominal), first)
+    assert model.program.interpolator.dip == pytest.approx(dip, abs=0.01)
+    assert model.program.interpolator.cycle in cycles
+
+
+@pytest.mark.parametrize("how", ["30 % dips", "set points each 12 ms, single precision"])
+def test_another_interpolator_than_assumed_leaves_a_third_of_a_square(how):
+    """Seen: 0.1 and 0.18 after one update; all in `make claims NAME=programs`."""
+    made = PlannedProgram.of(prepare(Cut(contour=contour_of("square", 0.01)), seed=3), 2e-3)
+    plant = ProgramPlant.of(replace(made, interpolator=VIRTUAL[how]))
     before, after = learn_targets(made, measure_of("tracker"), 1, plant=plant)
-    assert after.tool_true.rms < 0.5 * before.tool_true.rms
+    assert after.tool_true.rms < 0.33 * before.tool_true.rms
 
 
 def test_a_program_learned_inside_a_twin_leaves_an_eighth_in_its_first_run():
