@@ -1,6 +1,7 @@
 """Engines that run independent tasks: processes of this machine, or a Ray cluster."""
 
 import os
+import pickle
 import signal
 import socket
 import threading
@@ -110,9 +111,22 @@ class Workers:
             for _ in range(2):
                 self._pool = self._pool or begin(initargs=(os.getpid(),))
                 with suppress(BrokenProcessPool):
-                    return self._pool.submit(function, item)
+                    return self._pool.submit(_run, function, item)
                 self.close()
         raise WorkerDied
+
+
+def _run(function: Callable[[Item], Any], item: Item) -> Any:
+    """Its result, or its exception; as RunFailed where that is one that cannot be sent, which would
+    break the pool as the death of a worker does."""
+    try:
+        return function(item)
+    except Exception as error:
+        try:
+            pickle.loads(pickle.dumps(error))
+        except Exception:
+            raise RunFailed(f"{type(error).__name__}: {error}") from None
+        raise
 
 
 class RayCluster:

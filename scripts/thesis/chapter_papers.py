@@ -161,9 +161,10 @@ def two_stage(read: Read, folder: Path) -> Section:
 
 
 def _over_first(runs: Sequence[Result], field: str) -> Array:
-    """(individuals, runs), a measure over that of the first run."""
+    """(individuals, runs), a measure over that of the first run; infinite once a robot is stopped:
+    its estimate was refused, or it ran into a limit."""
     found = np.array([run[field] for run in runs])
-    return found / found[:, :1]
+    return np.nan_to_num(found / found[:, :1], nan=np.inf)
 
 
 def _judged(
@@ -182,6 +183,9 @@ def _learning(
     folder: Path,
 ) -> Section:
     """Section of runs that were learned from several outputs, each by all individuals."""
+    for name, of in runs.items():
+        if stopped := int(np.isinf(_over_first(of, "tcp_rms")[:, -1]).sum()):
+            caption += f" Stopped before the last run by {name}, counted as the worst: {stopped}."
     rows = []
     for field in SHOWN_FIELDS:
         first = float(np.median([run[field][0] for run in next(iter(runs.values()))]))
@@ -220,7 +224,7 @@ def tool(read: Read, folder: Path) -> Section:
 
     def over(name: str, base: str = "motor") -> float:
         """At the stop, median of the ratios."""
-        return float(np.median(known[name][:, 0] / known[base][:, 0]))
+        return float(np.nanmedian(known[name][:, 0] / known[base][:, 0]))
 
     ours = {"smoother": over("smoother"), "online": over("online")}
     ours |= {"doubled": over("smoother doubled")}
@@ -230,7 +234,7 @@ def tool(read: Read, folder: Path) -> Section:
     }
     rows = [
         [name, PRINTED_T2.get(name), round(over(name), 3), uncalibrated.get(name)]
-        + [round(float(v), 3) for v in 1e3 * np.median(known[name], axis=0)]
+        + [round(float(v), 3) for v in 1e3 * np.nanmedian(known[name], axis=0)]
         for name in SHOWN_T2
     ]
     with panels(folder / "papers-tool.png", (6.0, 3.2)) as (axis,):
@@ -239,10 +243,12 @@ def tool(read: Read, folder: Path) -> Section:
         axis.set(xlabel="individual", ylabel="tool position, RMS error [mm]")
         logarithmic(axis)
         axis.legend(loc="upper left", bbox_to_anchor=(1, 1))
+    refused = int(np.isnan(known["ours"][:, 0]).sum())
     caption = (
         "Error of the tool's position at the third stop of the square on the M16iB-like arm, "
         "static part in; geometry as designed. Theirs has the arm's exact nominal stiffness, where "
-        "the two-stage law of T1 knows it to +-30 %; ours identifies its springs from the same run."
+        "the two-stage law of T1 knows it to +-30 %; ours identifies its springs from the same "
+        f"run. Refused by ours: {refused} of {len(runs)}."
     )
     head = ["estimate", "paper", "over motor angles", "stop, geometry as drawn", "stop"]
     table = Table("RMS [mm], medians", [*head, "whole record", "whole, less rest"], rows)

@@ -34,7 +34,10 @@ class ImuError(ValueError):
 
     def __init__(self, fault: Fault, details: str) -> None:
         super().__init__(f"IMU: {fault.value}: {details}")
-        self.fault = fault
+        self.fault, self.details = fault, details
+
+    def __reduce__(self) -> tuple[type, tuple[Fault, str]]:
+        return type(self), (self.fault, self.details)
 
 
 def repaired(samples: ImuSamples, cfg: ImuCfg) -> ImuSamples:

@@ -11,6 +11,7 @@ import numpy as np
 from armside.arrays import Array
 
 from ..estimation.deflection import deflection
+from ..estimation.imu_health import ImuError
 from ..estimation.nominal import NominalArm, NominalCfg, assumed_arm, nominal_arm
 from ..estimation.rigid_motion import rigid_motion
 from ..estimation.structure import with_structure
@@ -48,6 +49,7 @@ class ToolEstimates:
     def run(self) -> dict[str, Array]:
         """RMS (3,) [m] by estimate, and `NAME doubled` with the wrong model: static part in, over
         `STOP` and over the record; and less its mean at rest before the motion, over the record.
+        NaN where ours refuses the run.
         """
         cell = robot_of(self.robot)
         own = Drawn(self.individual, Spread()).of(cell_model(cell, None))
@@ -72,7 +74,10 @@ class ToolEstimates:
                 "online": tool_positions(theirs.arm, theirs.filtered(seen)),
             }
             if not self.geometry:
-                positions["ours"] = our_positions(experiment, ours, run, truth.time, factor)
+                try:
+                    positions["ours"] = our_positions(experiment, ours, run, truth.time, factor)
+                except ImuError:
+                    positions["ours"] = np.full_like(truth.tool_position, np.nan)
             if not suffix:
                 positions["motor"] = tool_positions(theirs.arm, seen.motor_angle)
             for name, position in positions.items():

@@ -15,6 +15,7 @@ import pytest
 from armside.scripts.jobs.dataset import Dataset
 from armside.scripts.jobs.grid import Grid, parse, run_grid
 from armside.scripts.jobs.workers import WorkerDied, Workers
+from armside.scripts.shell.errors import RunFailed
 
 from .sweep_engine import AXES, Serial, quick, start, wait_for
 
@@ -27,6 +28,23 @@ def test_ctrl_c_in_a_terminal_is_one_line(tmp_path):
     kept = len(Dataset(tmp_path).keys())
     assert (process.returncode, err.count(b"\n")) == (130, 1)
     assert f"{kept} of 8 configurations are kept".encode() in err
+
+
+class TwoWordsError(ValueError):
+    """Cannot be sent: pickle calls it with its message alone."""
+
+    def __init__(self, one, two):
+        super().__init__(f"{one} and {two}")
+
+
+def _two_words(_):
+    raise TwoWordsError("this", "that")
+
+
+def test_an_exception_that_cannot_be_sent_is_no_death_of_a_worker():
+    with Workers(1) as workers:
+        ((_, found),) = workers.results(_two_words, [0])
+    assert (type(found), str(found)) == (RunFailed, "TwoWordsError: this and that")
 
 
 def test_a_sweep_claims_no_more_than_it_works_on(tmp_path):

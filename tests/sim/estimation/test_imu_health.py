@@ -1,5 +1,6 @@
 """Faults of an IMU at the edges of what is repaired, on made-up samples."""
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -67,3 +68,8 @@ def test_a_sample_may_be_a_quarter_of_a_period_off_its_place(off, fault):
     time[77] += off / CFG.rate
     if found := checked(replace(readings(), time=time), fault):
         assert found.time == pytest.approx(readings().time)
+
+
+def test_a_fault_is_sent_between_processes():
+    sent = pickle.loads(pickle.dumps(ImuError(Fault.MODEL, "it does not fit")))
+    assert (sent.fault, str(sent)) == (Fault.MODEL, str(ImuError(Fault.MODEL, "it does not fit")))
