@@ -10,7 +10,7 @@ all on the arm side. Coulomb friction is left out: on a contour the motors slide
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from armside.arrays import Array
 from armside.ilc.models.system import Complex
@@ -124,8 +124,7 @@ def plants_along(
 
     excitation: of that motion.
     """
-    place = segments(motion.phi, PLACE)
-    samples = np.array([int(np.flatnonzero(place == s).mean()) for s in range(place[-1] + 1)])
+    place, samples = places_along(motion.phi)
     angle = deflection(motion, springs).angle
     arms = [
         motion.linearised(int(motion.segment[at]), springs.mean_slope(angle[place == s]))
@@ -140,6 +139,14 @@ def plants_along(
         lowest_mode=mode,
         excitation=excitation if identified else 0.0,
     )
+
+
+def places_along(phi: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """(N,) the place of each sample of motor angles (N, a) [rad], and (S,) the sample in the middle
+    of each place."""
+    place = segments(phi, PLACE)
+    middles = [int(np.flatnonzero(place == s).mean()) for s in range(place[-1] + 1)]
+    return place, np.array(middles)
 
 
 def fading(centres: Array, time: Array) -> Array:

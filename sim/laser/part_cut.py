@@ -162,11 +162,6 @@ class PartCut(Setup[PartMotion]):
     def contours(self, motion: PartMotion) -> Sequence[Timed]:
         return timed(motion)
 
-    def centre(self, motion: PartMotion) -> int:
-        """That which is nearest the middle of the part."""
-        away = np.linalg.norm(motion.position - motion.plane.origin, axis=1)
-        return int(away.argmin())
-
     def weights(self, motion: PartMotion) -> Array:
         """(N, M), of each correction: its contour, and what follows until the next pierces."""
         begun = np.ones((motion.n_samples, len(motion.cuts) + 1))

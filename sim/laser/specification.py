@@ -138,10 +138,6 @@ class Setup(ABC, Generic[MotionT]):
         """[turns/s], of the contour that is cut in the shortest time."""
         return max(1.0 / (contour.end - contour.begin) for contour in self.contours(motion))
 
-    def centre(self, motion: MotionT) -> int:
-        """Sample of the reference at which a model of the arm is linearised: the first."""
-        return 0
-
     @abstractmethod
     def weights(self, motion: MotionT) -> Array:
         """(N, M), share of the correction of each contour in that of the run."""

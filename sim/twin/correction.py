@@ -9,14 +9,16 @@ is known: LuGre, as in the physics,
 The law's step is completed by the correction whose torque is F(new motion) - F(old motion).
 """
 
+from collections.abc import Iterable
+
 import numpy as np
 from numba import njit
 
 from armside.arrays import Array
-from armside.ilc.laws.model_based import RegularisedInverse, tapered
+from armside.ilc.laws.model_based import RegularisedInverse, ScheduledInverse, tapered
 from armside.ilc.models.system import Complex
 
-from ..estimation.arm_plant import ArmPlant
+from ..estimation.arm_plant import ArmPlant, PathPlants, fading, places_along
 from ..estimation.linearised_arm import linearised
 from ..estimation.nominal import NominalCfg, nominal_arm
 from ..estimation.relative_path import relative_to_start
@@ -34,8 +36,8 @@ _BRISTLE, _BRISTLE_DAMPING = 5, 6
 
 
 def friction_step(
-    law: RegularisedInverse,
-    plant: ArmPlant,
+    law: ScheduledInverse,
+    plants: PathPlants,
     robot: RobotModel,
     correction: Array,
     error: Array,
@@ -45,7 +47,7 @@ def friction_step(
     linear law's, completed by the friction of what it asks for."""
     learned = law(correction, error)
     omega = 2.0 * np.pi * np.fft.rfftfreq(2 * len(correction))
-    moved = _filtered(plant.motor_response(omega), learned - correction)
+    moved = _along(plants, (p.motor_response(omega) for p in plants.plants), learned - correction)
     truth, gear = run.truth, robot.drives.gear
     step = float(truth.time[1])
     fine = np.column_stack([np.interp(truth.time, run.time, column) for column in moved.T])
@@ -56,8 +58,9 @@ def friction_step(
     every = round(float(run.time[1]) / step)
     box = np.ones(every) / every
     extra = [np.convolve(column, box, mode="same")[::every] for column in change.T]
-    paid = law.Q(omega)[:, None, None] * plant.torque_response(omega)
-    return learned + _filtered(paid, np.column_stack(extra))
+    Q = law.laws[0].Q(omega)[:, None, None]
+    paid = (Q * plant.torque_response(omega) for plant in plants.plants)
+    return learned + _along(plants, paid, np.column_stack(extra))
 
 
 def friction_constants(robot: RobotModel) -> Array:
@@ -88,11 +91,14 @@ def lugre(velocity: Array, step: float, constants: Array) -> Array:  # pragma: n
     return force
 
 
-def _filtered(response: Complex, signal: Array) -> Array:
-    n = len(signal)
-    spectrum = np.fft.rfft(tapered(signal), axis=0)
-    moved = (response @ spectrum[:, :, None])[:, :, 0]
-    return np.fft.irfft(moved, 2 * n, axis=0)[:n]
+def _along(plants: PathPlants, responses: Iterable[Complex], signal: Array) -> Array:
+    """(N, m), of responses at the places of the plants, which fade from one to the next."""
+    n, found = len(signal), np.zeros_like(signal)
+    spectrum = np.fft.rfft(tapered(signal), axis=0)[:, :, None]
+    for weight, response in zip(plants.weights.T, responses, strict=True):
+        moved = np.fft.irfft((response @ spectrum)[:, :, 0], 2 * n, axis=0)[:n]
+        found += weight[:, None] * moved
+    return found
 
 
 UPDATES = 7
@@ -115,7 +121,9 @@ def learn_in_twin(
     reference = experiment.loaded.reference
     loaded = design.load(individual, reference)
     target = relative_to_start(experiment.programmed)
-    place = reference[experiment.cut.centre(experiment.motion)]
+    _, samples = places_along(reference)
+    time: Array = np.arange(len(reference), dtype=np.float64)
+    weights = fading(time[samples], time)
     u, best = np.zeros_like(reference), np.zeros_like(reference)
     rms: list[float] = []
     for k in range(UPDATES + 1):
@@ -126,21 +134,25 @@ def learn_in_twin(
         if rms[-1] <= min(rms):
             best = u
         if k < UPDATES:
-            plant = _twin_plant(design, loaded, run, place)
-            law = RegularisedInverse(
-                G=plant,
-                sample_time=LOG_PERIOD,
-                cutoff=CUTOFF,
-                gamma=GAMMA,
-                output_weight=WEIGHT,
-                input_size=tuple(float(s) for s in plant.input_size),
-                regularisation=REGULARISATION,
-                limit=LIMIT,
-            )
+            plants = _twin_plants(design, loaded, run, reference[samples], weights)
+            laws = [
+                RegularisedInverse(
+                    G=plant,
+                    sample_time=LOG_PERIOD,
+                    cutoff=CUTOFF,
+                    gamma=GAMMA,
+                    output_weight=WEIGHT,
+                    input_size=tuple(float(s) for s in plant.input_size),
+                    regularisation=REGULARISATION,
+                    limit=LIMIT,
+                )
+                for plant in plants.plants
+            ]
+            law = ScheduledInverse(laws=tuple(laws), weights=weights)
             truth = run.truth
             every = round(float(run.time[1] / truth.time[1]))
             path = relative_to_start(truth.tool_position[::every], truth.tool_quaternion[::every])
-            u = friction_step(law, plant, loaded.model, u, target - path, run)
+            u = friction_step(law, plants, loaded.model, u, target - path, run)
     return best, np.array(rms)
 
 
@@ -157,11 +169,12 @@ def twin_error(
     return cut.whole(motion, cut.errors(motion, *seen, edges=False)).rms
 
 
-def _twin_plant(
-    design: RobotDesign, loaded: LoadedReference, run: Recording, phi: Array
-) -> ArmPlant:
-    """Response of the tool to corrections, linearised at phi (6,) [rad], with the mean slope of
-    each gear along a run of the twin: one without load stays within its lost motion, and is soft.
+def _twin_plants(
+    design: RobotDesign, loaded: LoadedReference, run: Recording, places: Array, weights: Array
+) -> PathPlants:
+    """Responses of the tool to corrections, linearised at places (S, 6) [rad], with the mean slope
+    of each gear along a run of the twin: one without load stays within its lost motion, and is
+    soft. weights: (N, S), of places.
     """
     own = 0.0 if design.payload is None else design.payload - design.model.mj.body("tool").mass[0]
     arm = nominal_arm(design.model, NominalCfg(structure=True, payload=float(own)))
@@ -171,9 +184,9 @@ def _twin_plant(
         arm.mj.jnt_axis[same], arm.mj.jnt_pos[same] = twin.jnt_axis[joint], twin.jnt_pos[joint]
         arm.mj.jnt_stiffness[same] = twin.jnt_stiffness[joint]
     arm = arm.with_springs(_mean_gear_stiffness(loaded.model, run), arm.damping)
-    return ArmPlant(
-        robot=design.nominal or design.model, arm=linearised(arm, phi), period=LOG_PERIOD
-    )
+    robot = design.nominal or design.model
+    plants = [ArmPlant(robot=robot, arm=linearised(arm, p), period=LOG_PERIOD) for p in places]
+    return PathPlants(plants=tuple(plants), weights=weights)
 
 
 def _mean_gear_stiffness(model: RobotModel, run: Recording) -> Array:

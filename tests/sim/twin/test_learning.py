@@ -1,11 +1,14 @@
 """Individuals that run beside each other are those that run alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from armside.sim.evaluation.tool_error import tool_error
 from armside.sim.laser import Cut, prepare
 from armside.sim.motion.contour import square
+from armside.sim.papers.unseen import line
 from armside.sim.robot.effects import gear_phases
 from armside.sim.robot.individual import Individual
 from armside.sim.twin import correction
@@ -50,3 +53,13 @@ def test_a_law_of_ten_hertz_leaves_more_at_corners(monkeypatch):
     wide = largest_deviation("p1")
     monkeypatch.setattr(correction, "CUTOFF", 10.0)
     assert largest_deviation("p1") > 1.5 * wide
+
+
+def test_a_line_of_eighty_centimetres_is_learned_by_the_responses_along_it():
+    """By the response in one place it grows to 8 times what is left without correction."""
+    design = design_of("large", None)
+    known = parameters_of(design)
+    twin = known.individual(known.mean, gear_phases(design.model))
+    experiment = prepare(replace(line(0, 0.5), individual=None, friction_spread=0.0))
+    _, rms = correction.learn_in_twin(design, twin, experiment)
+    assert rms[-1] < 0.05 * rms[0]
