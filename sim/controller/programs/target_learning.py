@@ -244,7 +244,7 @@ def _varies(program: PlannedProgram, log: Recording, clock: tuple[Array, Array])
     speed = np.linalg.norm(np.diff(tool, axis=0), axis=1)
     trend = gaussian_filter1d(speed, TREND / LOG_PERIOD)
     steady = program.is_steady(np.interp(log.time[:-1], *clock))
-    return float(np.std(speed[steady] / trend[steady]))
+    return float(np.std(speed[steady] / trend[steady])) if steady.any() else 0.0
 
 
 def _held(reference: Array, n: int) -> Array:

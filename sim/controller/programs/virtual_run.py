@@ -35,7 +35,7 @@ FINE = 2e-5
 """Between samples of a path [m]: their chords are off by 1e-8 m on a radius of 5 mm."""
 TICK = 5e-4
 """Between samples of a plan [s]."""
-STEADY = 0.95
+STEADY = 0.99
 """Least speed of a plan over its top speed, by which a run's pace is told."""
 REST_AFTER = 0.35
 """[s], as of a cut."""
@@ -200,13 +200,16 @@ class PlannedProgram:
         return found
 
     def pace(self, clock: tuple[Array, Array]) -> float:
-        """Time of a run, where the plan is steady, over that of the plan.
+        """Time of a run over that of the plan: of a block in the median, where the plan is steady.
 
         clock: times (P,) [s] of run and plan at the same places.
         """
         plan = np.arange(0.0, self.experiment.motion.motion_end, TICK)
-        steady = self.is_steady(plan[1:] - TICK / 2)
-        return float(np.diff(np.interp(plan, clock[1], clock[0]))[steady].mean() / TICK)
+        ran, steady = np.interp(plan, clock[1], clock[0]), self.is_steady(plan)
+        block = max(s.row.spacing.mean() / s.timing.top_speed for s in self.stretches)
+        n = max(round(block / TICK), 1)
+        both = steady[n:] & steady[:-n]
+        return float(np.median((ran[n:] - ran[:-n])[both]) / (n * TICK)) if both.any() else 1.0
 
     def rows(self, offsets: Array) -> list[Row]:
         """Rows with moved targets."""
