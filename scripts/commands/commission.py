@@ -15,7 +15,9 @@ from armside.sim.notes import Cause, Note, Tally, counted
 from armside.sim.part.arcs import MM
 from armside.sim.records.run_folder import RUNS, check_writable
 from armside.sim.records.summary import summary
+from armside.sim.robot.alien import HYSTERESIS
 from armside.sim.twin import commission as commissioning
+from armside.sim.twin import parameters as of_twin
 from armside.sim.twin.commission import (
     CANDIDATES,
     MOST,
@@ -35,6 +37,7 @@ from armside.sim.twin.recordings import (
     read_cut,
 )
 from armside.sim.twin.simulation import design_of
+from armside.sim.twin.twin import Twin
 
 from ..cutting.options import OF_ROBOT, IndividualCfg, robot_state
 from ..shell.console import Report, run_folder
@@ -130,7 +133,7 @@ def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common(
         )
     results = _results(found)
     by: list[SensorName] = [sensor_of(cut, cfg.measure) for cut in recorded]
-    notes = [*notes, *_suspicious(results["cuts"], by)]
+    notes = [*notes, *_besides(found.twin), *_suspicious(results["cuts"], by)]
     outcome = summary("commission", cfg, common, notes=notes, **results)
     with run_folder(outcome, common) as folder:
         found.twin.save((folder / "summary.json").parent)
@@ -139,6 +142,22 @@ def commission(*, cfg: CommissionCfg = CommissionCfg(), common: Common = Common(
     report.notes(notes)
     _show(report, outcome, by)
     report.results(outcome, folder.path)
+
+
+def _besides(twin: Twin) -> list[Note]:
+    """Notes on what a twin knows beyond its type."""
+    found = list[Note]()
+    if twin.servo is not None:
+        text = "the servo is not the type's: what it does besides is identified from the motors"
+        found.append(Note(cause=Cause.TWIN, text=text))
+    if twin.hysteresis:
+        factor = float(twin.theta[twin.parameters.at(of_twin.HYSTERESIS.name)][0])
+        text = (
+            f"gears have hysteresis, {100.0 * factor * HYSTERESIS:.2g} % of their rated torque: it "
+            "is identified, and corrections take four times as long"
+        )
+        found.append(Note(cause=Cause.TWIN, text=text))
+    return found
 
 
 def _suspicious(cuts: Sequence[dict[str, Any]], by: Sequence[SensorName]) -> list[Note]:

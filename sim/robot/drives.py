@@ -20,9 +20,9 @@ from .mjcf import axis_actuators, numeric, scalar
 class OwnDrive(Protocol):
     """What a robot's drives do beside what all have: `alien` has such drives."""
 
-    def applied(self, drives: "Drives", load: Array, velocity: Array, time: Array) -> Array:
-        """(M, n) [N m], arm side, on the motors; load (M, n) [N m] and velocity (M, n) [rad/s], arm
-        side, at times (M,) [s] of the commanded motion."""
+    def applied(self, drives: "Drives", load: Array, velocity: Array, time: Array) -> Array | None:
+        """(M, n) [N m], arm side, on the motors, None for nothing; load (M, n) [N m] and velocity
+        (M, n) [rad/s], arm side, at times (M,) [s] of the commanded motion."""
         ...
 
     def feedforward(self, drives: "Drives", torque: Array, velocity: Array) -> Array:

@@ -165,7 +165,8 @@ class IdentifiedParameters:
 
 def parameters_of(design: RobotDesign) -> Parameters:
     """All unknown parameters of individuals of a design."""
-    return Parameters((*FRICTION, MASS, *tool_blocks(len(structure_hinges(design.model)))))
+    of_tool = tool_blocks(len(structure_hinges(design.model)), design.hysteresis)
+    return Parameters((*FRICTION, MASS, *of_tool))
 
 
 def identify(

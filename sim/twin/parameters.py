@@ -15,6 +15,7 @@ import numpy as np
 
 from armside.arrays import Array
 
+from ..robot.alien import AlienEffect
 from ..robot.drives import N_HARMONICS
 from ..robot.individual import Individual
 from ..robot.mjcf import N_AXES
@@ -60,11 +61,16 @@ FRICTION = (
 MASS = Block("mass", (N_AXES,), 0.02, lower=-0.1, upper=0.1)
 """Mass of each link, from the torque that carries it and from the tool."""
 
+HYSTERESIS = Block("hysteresis", (1,), 1.0, lower=0.0, upper=5.0)
+"""Size of the effect of that name of `armside.sim.robot.alien`, one for all gears: of a twin that
+is not believed without."""
 
-def tool_blocks(n_structure: int) -> tuple[Block, ...]:
+
+def tool_blocks(n_structure: int, hysteresis: bool = False) -> tuple[Block, ...]:
     """Parameters identified from the tool, for a design with n hinges of the structure."""
     links = len(LINKS)
     return (
+        *(HYSTERESIS,) * hysteresis,
         Block("gear_stiffness", (N_AXES,), 0.3, lower=_STIFFEST - 1.0, upper=2.0),
         Block("structure_stiffness", (n_structure,), 0.3, lower=_STIFFEST - 1.0, upper=2.0),
         Block("bending", (links, len(DIRECTIONS)), 1.0, lower=-MEAN, upper=6.0, step=1.0),
@@ -143,6 +149,7 @@ class Parameters:
         values = {b.name: theta[self.at(b.name)].reshape(b.shape) for b in self.blocks}
         factors: dict[str, Any] = {name: np.exp(values[name]) for name in _LOGARITHMS}
         springs = [1.0 / np.maximum(1.0 + values[name], _STIFFEST) for name in SPRINGS]
+        of_gears = [AlienEffect(HYSTERESIS.name, float(x)) for x in values.get(HYSTERESIS.name, ())]
         ripple, error = values["ripple"], values["gear_error"]
         ripple_phase = np.arctan2(ripple[:, 1], ripple[:, 0])
         error_phase = np.arctan2(error[..., 1], error[..., 0])
@@ -152,6 +159,7 @@ class Parameters:
             gear_stiffness=springs[0],
             structure_stiffness=springs[1],
             hidden=hinges(*(values[name] for name in BENDING)),
+            alien=tuple(of_gears),
             ripple=np.hypot(ripple[:, 0], ripple[:, 1]),
             ripple_phase=ripple_phase,
             gear_error=np.hypot(error[..., 0], error[..., 1]),

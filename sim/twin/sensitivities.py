@@ -17,7 +17,7 @@ from armside.arrays import Array
 from ..robot.effects import gear_phases
 from ..robot.mjcf import N_AXES
 from ..robot.recording import Recording
-from .parameters import BENDING, FRICTION, SPRINGS, Parameters
+from .parameters import BENDING, FRICTION, HYSTERESIS, SPRINGS, Parameters
 from .recordings import MeasuredCut
 from .simulation import RobotDesign
 from .tool_sensor import TRACKER, CutComparison, ToolSensor
@@ -91,7 +91,8 @@ class Against:
             for start, parts in [(parameters.at(block.name).start, block.size // N_AXES)]
             for part in range(parts)
         }
-        names = ("mass", *(*SPRINGS, *BENDING, "lost_motion") * tool)
+        known = (HYSTERESIS.name,) * self.design.hysteresis
+        names = ("mass", *(*SPRINGS, *BENDING, "lost_motion", *known) * tool)
         springs = [parameters.at(name) for name in names]
         rest = [i for block in springs for i in range(block.start, block.stop)]
         directions = (*friction.values(), *(unit[i] for i in rest))

@@ -21,6 +21,7 @@ from armside.arrays import Array
 
 from ..cell import CELLS
 from ..estimation.relative_path import relative_to_start
+from ..robot.drives import OwnDrive
 from ..robot.effects import available
 from ..robot.individual import HiddenHinge, Individual, embodied, joints, with_hinges, with_payload
 from ..robot.kinematics_check import cell_model
@@ -121,6 +122,13 @@ class RobotDesign:
     """[kg]; that of the model if None."""
     nominal: RobotModel | None = field(default=None, repr=False)
     """Model of the controller; the design if None."""
+    hysteresis: bool = False
+    """Its individuals may have hysteresis of the gears."""
+
+    def besides(self, servo: OwnDrive | None, hysteresis: bool = False) -> "RobotDesign":
+        """The design with a servo of its own, the type's if None, and with hysteresis or not."""
+        own = replace(self.model, own_drive=servo)
+        return replace(self, model=own, hysteresis=hysteresis)
 
     def load(self, individual: Individual, reference: Array) -> LoadedReference:
         """A reference (N, 6) [rad] loaded into an individual of the design."""

@@ -23,7 +23,8 @@ from ..robot.mjcf import N_AXES
 from ..robot.recording import Recording
 from ..robot.spread import PRODUCTION
 from .identification import parameters_of
-from .parameters import SPRINGS, Parameters
+from .own_servo import OwnServo
+from .parameters import HYSTERESIS, SPRINGS, Parameters
 from .prediction import Corrected, Evidence, correct
 from .recordings import TwinSensor
 from .simulation import RobotDesign, design_of, robot_digest
@@ -86,13 +87,17 @@ class Twin:
     """(6,) [N m], motor side, root mean square over the commissioning cuts."""
     names: tuple[str, ...]
     """(c,), of the cuts."""
+    servo: OwnServo | None = field(default=None, repr=False)
+    """What the servo does beyond the type's, if anything."""
+    hysteresis: bool = False
+    """Hysteresis of the gears was identified too."""
     friction: Array = field(default_factory=lambda: np.ones(N_AXES))
     """(6,), friction over that at commissioning, as production runs show it."""
 
     @cached_property
     def design(self) -> RobotDesign:
         """Design with the tool of the commissioning."""
-        return design_of(self.robot, self.payload)
+        return self._design(self.payload)
 
     @cached_property
     def parameters(self) -> Parameters:
@@ -153,7 +158,10 @@ class Twin:
 
     def design_with(self, payload: float | None) -> RobotDesign:
         """Design with a tool of that mass [kg]; that of the robot's file if None."""
-        return self.design if payload == self.payload else design_of(self.robot, payload)
+        return self.design if payload == self.payload else self._design(payload)
+
+    def _design(self, payload: float | None) -> RobotDesign:
+        return design_of(self.robot, payload).besides(self.servo, self.hysteresis)
 
     def check(self, cut: Setup) -> None:
         """Raise TwinError for a cut of another robot."""
@@ -184,6 +192,7 @@ class Twin:
             "held_out": self.held_out.tolist(),
             "torque_residual": self.torque_residual.tolist(),
             "friction": self.friction.tolist(),
+            "servo": None if self.servo is None else self.servo.content(),
             "parameters": dict(zip(self.parameters.names, self.theta.tolist(), strict=True)),
         }
         (folder / _FILE).write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
@@ -214,6 +223,8 @@ class Twin:
                 held_out=_numbers("held_out", content["held_out"]),
                 torque_residual=_numbers("torque_residual", content["torque_residual"]),
                 friction=_numbers("friction", content["friction"]),
+                hysteresis=HYSTERESIS.name in " ".join(content["parameters"]),
+                servo=None if (servo := content.get("servo")) is None else OwnServo.of(**servo),
                 theta=_numbers("parameters", list(content["parameters"].values())),
                 covariance=real_array(
                     "covariance", np.load(check_file(covariance), allow_pickle=False)
@@ -248,6 +259,8 @@ class Twin:
             return "it holds values that are not finite"
         if any(values.shape != (N_AXES,) or values.min() < 0.0 for values in drives):
             return f"friction and torque_residual must be {N_AXES} positive values"
+        if self.servo is not None and (reason := self.servo.nonsense()) is not None:
+            return reason
         left = self.held_out[~np.isnan(self.held_out)]
         if self.held_out.shape != (len(self.names),) or not ((left > 0.0) & (left < np.inf)).all():
             given = self.held_out.tolist()

@@ -28,9 +28,9 @@ FULL_INSTANCES = {
     "estimation": 10, "estimation-controls": 10, "estimation-gears": 10, "imu-causes": 5,
     "imu-large": 10, "imu-rest": 10, "laser-irb1400": 20, "laser-irb1400-design": 20,
     "laser-irb1400-poses": 20, "estimation-irb1400": 10, "estimation-arms": 2, "long-way": 10,
-    "fast-motion": 10, "first-cut": 6, "first-cut-imu": 6, "forecast": 30, "forecast-twin": 6,
-    "imu-twin": 2, "aliens": 3, "robots": 5, "robots-design": 3, "knob-free": 100,
-    "basis-functions": 2, "urdf": 5, "programs": 10, "contest": 10,
+    "fast-motion": 10, "first-cut": 6, "first-cut-imu": 6, "forecast": 30, "forecast-twin": 3,
+    "imu-twin": 2, "aliens": 3, "aliens-known": 2, "robots": 5, "robots-design": 3,
+    "knob-free": 100, "basis-functions": 2, "urdf": 5, "programs": 10, "contest": 10,
     "contest-robot": 12, "scan-image": 20, "scan-twin": 10, "scan-twin-development": 6,
     "scan-learning": 10,
 }  # fmt: skip
@@ -155,6 +155,7 @@ BASES: dict[str, list[dict[str, Any]]] = {
     "forecast": [MISSED] * 2 + [FORESEEN] * 18 + BY_ESTIMATE,
     "forecast-twin": [MISSED | {"_inside": False}] * 2 + [FORESEEN | {"_inside": True}] * 18,
     "aliens": [OUTSIDE | {"effect": "none"}, OUTSIDE],
+    "aliens-known": [OUTSIDE],
     "scan-image": [SCANNED] * 2,
 }  # fmt: skip
 
@@ -338,6 +339,10 @@ BARS = [
     bar("aliens", "_left", np.full(6, 0.0999), np.full(6, 0.1001), "median left by the twin"),
     bar("aliens", "_learned", np.full(3, 0.1199), np.full(3, 0.1201), "left by the estimate"),
     bar("aliens", "_left", *(np.append(np.full(5, 0.05), w) for w in (1.0, 1.01)), "nothing ends"),
+    bar("aliens-known", "_left", np.full(6, 0.0999), np.full(6, 0.1001), "median left"),
+    bar("aliens-known", "_left", *(np.append(np.full(5, 0.05), w) for w in (1.0, 1.01)), "nothing"),
+    Bar("aliens-known", *({"_left": LEFT_10, "_inside": inside(n), "_refused": ~inside(20)}
+        for n in (14, 13)), "in the twin's interval, of 20 of 30"),
     # of thirty the last ten are refused, and do not count as inside
     *(
         Bar("aliens", *({**ends, key: inside(n), refused: ~inside(20)} for n in (14, 13)), words)

@@ -14,7 +14,7 @@ from armside.sim.twin.prediction import (
     predicted,
 )
 
-INSIDE, AROUND, RESIDUAL = 2e-6, np.array([6e-6, 8e-6, 5e-6]), 7e-6
+INSIDE, AROUND, RESIDUAL = 2e-6, np.array([6e-6, 8e-6, 5e-6]), 5e-6
 
 
 def of(residual=RESIDUAL, sensor="tracker", n_cuts=10):
@@ -43,7 +43,7 @@ def test_expected_errors_have_the_unit_of_what_they_are_made_of():
     before = predicted(1e-4, INSIDE, AROUND, of())
     after = predicted(1e-4, 3.0 * INSIDE, 3.0 * AROUND, of(3.0 * RESIDUAL))
     assert after.expected == pytest.approx(3.0 * before.expected)
-    assert after.high == pytest.approx(3.0 * before.high)
+    assert after.high_of_type == pytest.approx(3.0 * before.high_of_type)
 
 
 def test_the_interval_is_that_of_the_sensor():
@@ -85,10 +85,11 @@ def test_only_the_residual_of_a_tracker_loosens_the_springs_around_a_twin(twin):
 
 
 def test_a_correction_that_may_leave_more_than_three_tenths_is_not_used():
-    error = {"uncorrected": 1e-4, "inside": 1e-6, "expected": 2e-5, "low": 1e-5}
-    good = FirstCutPrediction(**error, high=2.99e-5, calibrated=True)
+    error = {"uncorrected": 1e-4, "inside": 1e-6, "expected": 2e-5, "low": 1e-5, "high": 5e-5}
+    good = FirstCutPrediction(**error, high_of_type=2.99e-5, calibrated=True)
     assert objection(good) is None
-    assert "up to 30 % of the error would be left" in str(objection(replace(good, high=3.01e-5)))
+    bad = replace(good, high_of_type=3.01e-5)
+    assert "up to 30 % of the error would be left" in str(objection(bad))
 
 
 @pytest.mark.parametrize("end", [np.nan, np.inf])
@@ -99,10 +100,20 @@ def test_a_correction_by_which_a_twin_becomes_unstable_is_not_used(end):
 
 
 def test_an_interval_is_that_of_the_variances_by_hand():
-    """In um: 2^2 + 0.4^2 (41.667 - 2^2) + 0.3^2 7^2 = 14.437, r = 3.7996; 0.53 r to 1.7 r."""
+    """In um: 2^2 + 0.4^2 (41.667 - 2^2) + 0.3^2 5^2 = 12.277, r = 3.5038; 0.53 r to 1.7 r."""
     found = predicted(1e-4, INSIDE, AROUND, of())
     ends = 1e6 * np.array([found.low, found.expected, found.high])
-    np.testing.assert_allclose(ends, [2.0138, 3.7996, 6.4593], rtol=1e-4)
+    np.testing.assert_allclose(ends, [1.8570, 3.5038, 5.9565], rtol=1e-4)
+
+
+def test_cuts_that_no_parameter_explains_widen_the_upper_end_of_a_twin_of_ten():
+    """In um, with 9 of the held-out cuts: r^2 = 17.317, 1.7 (r^2 + 1.4^2 (9^2 - 5^2))^1/2."""
+    found = predicted(1e-4, INSIDE, AROUND, of(9e-6))
+    ends = 1e6 * np.array([found.low, found.high_of_type, found.high])
+    np.testing.assert_allclose(ends, [2.2055, 7.0744, 19.1641], rtol=1e-4)
+    for sensor, n_cuts in (("tracker", 4), ("imu", 10)):
+        other = predicted(1e-4, INSIDE, AROUND, of(9e-6, sensor, n_cuts))
+        assert other.high == other.high_of_type
 
 
 @pytest.mark.parametrize("part", [0.69, 0.71])

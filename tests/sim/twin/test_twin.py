@@ -11,7 +11,7 @@ from armside.sim.cell import LARGE_ROBOT_POSES
 from armside.sim.laser import Cut, prepare
 from armside.sim.laser.experiment import true_tool_error
 from armside.sim.motion.contour import slot, square
-from armside.sim.twin.commission import MOST, check, plan
+from armside.sim.twin.commission import MOST, checked_against, plan
 from armside.sim.twin.correction import learn_in_twin
 from armside.sim.twin.first_cut import Refreshed, refreshed
 from armside.sim.twin.recordings import ImplausibleError, MeasuredCut, measured
@@ -188,8 +188,8 @@ def test_a_recording_that_cannot_be_is_named(twin, passes, change, said):
     cut = measured(passes[0], "cut-7")
     bad = replace(cut, **change(cut))
     with pytest.raises(ImplausibleError, match=f"cut-7.*{said}"):
-        check(twin.design, bad, TRACKER)
-    check(twin.design, cut, TRACKER)
+        checked_against(twin.design, bad, TRACKER)
+    checked_against(twin.design, cut, TRACKER)
 
 
 def test_a_measured_cut_holds_no_ground_truth(passes):
