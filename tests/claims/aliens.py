@@ -166,7 +166,7 @@ def _covered(what: str, rows: Rows, inside: str, refused: str) -> Iterator[Check
 def run_known(case: tuple[int, str], tally: Tally) -> Iterator[Row]:
     seed, effect = case
     number = OTHERS[(OF_OTHERS * KNOWN.index(effect) + seed) % len(OTHERS)]
-    yield {"effect": effect, "robot": number} | by_twin(robot(number, effect), tally)
+    yield {"effect": effect, "robot": number, **by_twin(robot(number, effect), tally)}
 
 
 def checks_known(rows: Rows) -> Iterator[Check]:
