@@ -1,8 +1,9 @@
-"""Aliens: robots with effects that no model, estimator or forecast of ours has a parameter for.
+"""Aliens: robots with effects that no estimator or forecast of ours has a parameter for.
 
-A twin is parametrised by the physics that individuals are drawn from; a real robot was not drawn
-from it. `ALIEN` names what an individual of the line may have besides (`spread.Alien` draws it):
-changes of the parsed file, of the compiled model, or of what enters the drives.
+A twin is parametrised by the physics that individuals are drawn from, hysteresis of gears and a
+filter of set points; a real robot was not drawn from it. `ALIEN` names what an individual of the
+line may have besides (`spread.Alien` draws it): changes of the parsed file, of the compiled model,
+or of what enters the drives.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -120,7 +120,7 @@ class Individual:
     """(n, 3) [rad], rotation vector added to the orientation of each joint's body."""
     hidden: tuple[HiddenHinge, ...] = ()
     alien: tuple[AlienEffect, ...] = ()
-    """Effects that no model of ours has; of `spread.Alien` alone."""
+    """Effects of `spread.Alien`; hysteresis also of a twin that identified it."""
 
     def __post_init__(self) -> None:
         for item in fields(self):

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -13,8 +14,10 @@ from armside.scripts.commands import commission as command
 from armside.scripts.jobs.grid import Point
 from armside.scripts.jobs.resolved import key_of
 from armside.sim.instruments.laser_tracker import LaserTrackerCfg
+from armside.sim.notes import Cause
 from armside.sim.twin import twin as library
 from armside.sim.twin.commission import Choice
+from armside.sim.twin.own_servo import TAPS, OwnServo
 from armside.sim.twin.twin import Twin
 
 INDIVIDUAL = "2001"  # of the shared twin
@@ -282,3 +285,15 @@ def test_cuts_that_no_one_robot_explains_are_noted():
     assert "leaves 7 " in note.text
     assert command._suspicious([{"held_out": None}, *cuts[1:]], ["imu", "scan", "scan"]) == []
     assert command._suspicious([{"held_out": 1.1}], ["imu"]) == []
+
+
+def test_what_a_twin_knows_beyond_its_type_is_said(twin):
+    """1.2 times 3 % of the rated torque, which is the effect's median size."""
+    plain = Twin.load(twin[0])
+    assert command._besides(plain) == []
+    of_its_own = replace(plain, servo=OwnServo(np.zeros(TAPS), 0.4), hysteresis=True)
+    at = of_its_own.parameters.at("hysteresis").start
+    notes = command._besides(replace(of_its_own, theta=np.insert(plain.theta, at, 1.2)))
+    assert [note.cause for note in notes] == [Cause.TWIN, Cause.TWIN]
+    assert "the servo is not the type's" in notes[0].text
+    assert "hysteresis, 3.6 % of their rated torque" in notes[1].text
