@@ -154,12 +154,12 @@ def run_twin(seed: int, tally: Tally) -> Iterator[Row]:
         left = float(error) / left_alone(cut, robot, tally)
         yield {
             **{"task": kind, "robot": number, "corrected": used.trusted},
-            **{"forecast": ahead.median, "left": left, "_inside": ahead.low <= left <= ahead.high},
+            **{"forecast": ahead.median, "left": left, "inside": ahead.low <= left <= ahead.high},
         }
 
 
 def checks_twin(rows: Rows) -> Iterator[Check]:
-    inside = [row["_inside"] for row in rows if row["corrected"]]
+    inside = [row["inside"] for row in rows if row["corrected"]]
     yield between("inside the interval of 90 %", float(np.mean(inside)), 0.85, 0.95)
 
 
