@@ -149,7 +149,8 @@ class Parameters:
         values = {b.name: theta[self.at(b.name)].reshape(b.shape) for b in self.blocks}
         factors: dict[str, Any] = {name: np.exp(values[name]) for name in _LOGARITHMS}
         springs = [1.0 / np.maximum(1.0 + values[name], _STIFFEST) for name in SPRINGS]
-        of_gears = [AlienEffect(HYSTERESIS.name, float(x)) for x in values.get(HYSTERESIS.name, ())]
+        # A step that ends at the bound of 0 may be below it by rounding.
+        sizes = np.maximum(values.get(HYSTERESIS.name, np.zeros(0)), 0.0).tolist()
         ripple, error = values["ripple"], values["gear_error"]
         ripple_phase = np.arctan2(ripple[:, 1], ripple[:, 0])
         error_phase = np.arctan2(error[..., 1], error[..., 0])
@@ -159,7 +160,7 @@ class Parameters:
             gear_stiffness=springs[0],
             structure_stiffness=springs[1],
             hidden=hinges(*(values[name] for name in BENDING)),
-            alien=tuple(of_gears),
+            alien=tuple(AlienEffect(HYSTERESIS.name, size) for size in sizes),
             ripple=np.hypot(ripple[:, 0], ripple[:, 1]),
             ripple_phase=ripple_phase,
             gear_error=np.hypot(error[..., 0], error[..., 1]),

@@ -116,3 +116,5 @@ def test_a_twin_with_hysteresis_is_kept(twin, tmp_path):
     assert kept.hysteresis
     assert kept.individual.alien == (AlienEffect("hysteresis", 0.9),)
     assert len({one.alien[0].size for one in kept.around}) > 1
+    below = np.where(np.arange(len(theta)) == at, -1e-17, theta)
+    assert known.individual(below, kept.gear_phase).alien == (AlienEffect("hysteresis", 0.0),)
