@@ -254,7 +254,7 @@ def commission(
         checked_against(design, cut, sensor, checked)
         for cut, sensor in zip(cuts, sensors, strict=True)
     ]
-    hysteresis, servo = False, own_servo(design.model.drives, cuts, nominal)
+    hysteresis, servo = False, own_servo(design, cuts, nominal)
     design = design.besides(servo)
     kinds = sensors if len({id(sensor) for sensor in sensors}) > 1 else sensors[0]
     found = identify(design, cuts, cfg, progress, sensor=kinds)

@@ -29,7 +29,7 @@ from ..robot.model import RobotModel
 from ..robot.recording import Recording
 from ..robot.run import LoadedReference, cores, run_batch
 from ..robot.statics import Statics
-from ..robot.virtual_robot import VirtualRobot
+from ..robot.virtual_robot import Commanded, VirtualRobot
 
 _DAMPING_TIME = 2e-4
 """Damping over stiffness [s], as for the hinges of the file."""
@@ -129,6 +129,11 @@ class RobotDesign:
         """The design with a servo of its own, the type's if None, and with hysteresis or not."""
         own = replace(self.model, own_drive=servo)
         return replace(self, model=own, hysteresis=hysteresis)
+
+    def commanded(self, reference: Array) -> Commanded:
+        """What the controller makes of a reference (N, 6) [rad]."""
+        nominal = self.nominal or self.model
+        return VirtualRobot(nominal).commanded(reference)
 
     def load(self, individual: Individual, reference: Array) -> LoadedReference:
         """A reference (N, 6) [rad] loaded into an individual of the design."""

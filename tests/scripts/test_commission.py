@@ -291,7 +291,7 @@ def test_what_a_twin_knows_beyond_its_type_is_said(twin):
     """1.2 times 3 % of the rated torque, which is the effect's median size."""
     plain = Twin.load(twin[0])
     assert command._besides(plain) == []
-    of_its_own = replace(plain, servo=OwnServo(np.zeros(TAPS), 0.4), hysteresis=True)
+    of_its_own = replace(plain, servo=OwnServo(np.zeros(TAPS), 0.4, 0.0), hysteresis=True)
     at = of_its_own.parameters.at("hysteresis").start
     notes = command._besides(replace(of_its_own, theta=np.insert(plain.theta, at, 1.2)))
     assert [note.cause for note in notes] == [Cause.TWIN, Cause.TWIN]
