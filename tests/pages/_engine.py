@@ -108,6 +108,15 @@ class Entry(dict[str, Any]):
     __getattr__ = dict.__getitem__
 
 
+def _of_each(table: Mapping[str, Any]) -> dict[str, str]:
+    """Values `NAME-KEY` of the names of `each`, which stand for {} in `values-of-each`."""
+    return {
+        f"{name}-{key}": text.replace("{}", name)
+        for name in table.get("each", ())
+        for key, text in table["values-of-each"].items()
+    }
+
+
 def evaluated(found: Mapping[str, Any], values: Mapping[str, str]) -> dict[str, Any]:
     """The expressions of a manifest on the JSON of a command."""
     names = json.loads(json.dumps(found), object_hook=Entry)
@@ -122,7 +131,8 @@ def sources(manifest: Path = MANIFEST) -> dict[str, Source]:
     """Sources of a manifest by name."""
     tables = tomllib.loads(manifest.read_text(encoding="utf-8"))
     return {
-        name: Source(name, tuple(table["lines"]), table["values"]) for name, table in tables.items()
+        name: Source(name, tuple(table["lines"]), {**table.get("values", {}), **_of_each(table)})
+        for name, table in tables.items()
     }
 
 
