@@ -136,10 +136,11 @@ def test_an_interval_is_called_calibrated_on_the_robots_it_was_fitted_on(
     assert all(text in said for text, said in zip(assumed, found.assumed, strict=True))
 
 
-def test_a_twin_of_one_robot_is_not_called_calibrated():
-    found = summarised(ensemble([0.5, 0.6, 0.7]))
-    assert not found.of("twin", 0).calibrated
-    assert found.of("estimate", 5).calibrated
+def test_a_twins_interval_is_wider_than_the_ensemble_by_what_nine_robots_showed():
+    """log: 1.645 times 0.55, of an ensemble without spread."""
+    found = summarised(ensemble([0.6, 0.6, 0.6])).of("twin", 0)
+    assert found.calibrated
+    assert np.log(found.high / found.median) == pytest.approx(1.645 * 0.55, rel=1e-3)
 
 
 def test_an_estimate_is_forecast_by_the_unit_at_the_tool():
