@@ -88,17 +88,17 @@ def test_a_twin_keeps_the_servo_that_it_was_commissioned_with(of_its_own, tmp_pa
 
 
 def test_the_sensitivity_to_hysteresis_says_what_more_of_it_does(of_its_own):
-    """More than half of it, as a gear sticks and slips: it is no linear effect."""
+    """By the step of the difference quotient, to rounding: sticking and slipping is not linear."""
     design = DESIGN.besides(None, True)
     known = parameters_of(design)
     less = known.mean + 0.5 * np.eye(known.size)[known.at("hysteresis")][0]
-    more = known.mean + 0.7 * np.eye(known.size)[known.at("hysteresis")][0]
+    more = known.mean + 0.55 * np.eye(known.size)[known.at("hysteresis")][0]
     against = Against(design, known, of_its_own[0])
     before, columns = against.linearised(less)
     moved = before.tool - against.residuals(more).tool
     said = columns.tool @ (more - less)
-    assert np.linalg.norm(moved) > 1e-4
-    assert np.linalg.norm(moved - said) < 0.5 * np.linalg.norm(moved)
+    assert np.linalg.norm(moved) > 2.5e-5
+    assert np.linalg.norm(moved - said) < 1e-6 * np.linalg.norm(moved)
 
 
 def test_a_twin_with_hysteresis_is_kept(twin, tmp_path):
