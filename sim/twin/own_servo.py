@@ -33,7 +33,7 @@ the friction of individuals 1001 to 1008 at most 0.26; four cuts each."""
 _LARGEST = 2.0
 """Of what a servo adds, over its set points. ESTIMATE"""
 _STEPS = 3
-"""Of the least squares: a fourth leaves no less of individual 8036."""
+"""Of the least squares: a fourth leaves hardly less of individual 8036."""
 _RIDGE = 1e-6
 """Of the normalised least squares."""
 
